@@ -1,0 +1,1 @@
+"""The edge: settings, sessions, HTTP, websocket, command line. The only package that knows sockets."""
