@@ -121,9 +121,7 @@ class DepthFrame:
         return replace(self, color_rgb=None)
 
 
-def points_m(
-    u: npt.ArrayLike, v: npt.ArrayLike, depth_m: npt.ArrayLike, camera: Camera
-) -> npt.NDArray[np.float64]:
+def points_m(u: npt.ArrayLike, v: npt.ArrayLike, depth_m: npt.ArrayLike, camera: Camera) -> npt.NDArray[np.float64]:
     """Reproject pixels to skeleton space: arrays (N,) of column, row and depth give (N, 3) metres."""
     k = camera.depth
     z = np.asarray(depth_m, dtype=np.float64)
