@@ -1,0 +1,1 @@
+"""Perception: depth frame -> operator's pixels -> body parts -> joints -> skeleton."""
