@@ -1,0 +1,15 @@
+import { defineConfig } from "vite";
+
+const server = "http://127.0.0.1:8000";
+
+export default defineConfig({
+  base: "./",
+  build: {
+    outDir: "../server/console",
+    emptyOutDir: true,
+    target: "es2022",
+    chunkSizeWarningLimit: 900,
+  },
+  // `npm run dev` shows the sources against a running `teleop serve`.
+  server: { proxy: { "/api": { target: server, ws: true } } },
+});
