@@ -1,0 +1,272 @@
+"""The messages between server and console: the truth of which web/src/wire.ts is the generated twin.
+
+Metres, degrees (angles of the person), radians (joints of the robot), seconds; skeleton space as in teleop.frames.
+Numbers are finite or null: JSON knows no NaN.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+WIRE_VERSION = 1
+"""Raised when a message changes so that an older console cannot read it."""
+
+Point = tuple[float, float, float]
+Pixel = tuple[float, float]
+ZoneName = Literal["none", "out", "forward", "work", "back", "left", "right"]
+ModeName = Literal[
+    "no_person",
+    "seen",
+    "engaged",
+    "picking",
+    "spraying",
+    "forward",
+    "back",
+    "left",
+    "right",
+    "held",
+    "stopped",
+]
+HandName = Literal["open", "fist", "unknown"]
+LiquidName = Literal["water", "nutrient", "pesticide"]
+
+
+class Message(BaseModel):
+    """Base of all wire types: frozen, closed, no NaN and no infinity."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class CameraInfo(Message):
+    """The depth camera of the present source; lengths in pixels."""
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    mirrored: bool
+
+
+class ZoneInfo(Message):
+    """The floor map (specification, section 3), in metres."""
+
+    depth_cuts_m: tuple[float, float, float, float]
+    center_half_width_m: float
+    side_limit_m: float
+    hysteresis_m: float
+
+
+class SceneryItem(Message):
+    """One primitive of the greenhouse, in the world frame."""
+
+    name: str
+    kind: Literal["box", "cylinder", "sphere"]
+    size_m: tuple[float, ...]
+    xyz_m: Point
+    rpy_rad: Point
+    rgba: tuple[float, float, float, float]
+
+
+class ArmJoints(Message):
+    """URDF joint names of one arm."""
+
+    c1: str
+    c2: str
+    elbow: str
+
+
+class Hello(Message):
+    """First message, and again after a change of source or configuration."""
+
+    type: Literal["hello"] = "hello"
+    version: int = WIRE_VERSION
+    software: str
+    joint_names: tuple[str, ...]
+    bones: tuple[tuple[int, int], ...]
+    camera: CameraInfo
+    zones: ZoneInfo
+    shoulder_step_deg: float
+    T1_threshold_deg: float
+    T2_threshold_deg: float
+    urdf_url: str
+    arm_joints: dict[Literal["right", "left", "rear"], ArmJoints]
+    lift_range_m: tuple[float, float]
+    disc_range_rad: tuple[float, float]
+    scenery: tuple[SceneryItem, ...]
+
+
+class SourceState(Message):
+    """What is playing. position_s counts from the first frame; duration_s is null for a live source."""
+
+    uri: str
+    kind: str
+    live: bool
+    paused: bool
+    ended: bool
+    position_s: float
+    duration_s: float | None
+    speed: float
+    loop: bool
+    fps: float
+    recording: bool
+    fault: str | None = None
+    """Why the source gives no frames, in one line; null when it works."""
+
+
+class SkeletonState(Message):
+    """Joints in metres in the camera's axes, their depth-image pixels and confidence; null = unknown."""
+
+    joints: dict[str, Point | None]
+    pixels: dict[str, Pixel | None]
+    confidence: dict[str, float]
+
+
+class FloorState(Message):
+    """The floor as the tracker sees it."""
+
+    camera_height_m: float
+    tilt_deg: float
+
+
+class AnglesState(Message):
+    """Angles of the operator's body in degrees, continuous; null where there is no answer."""
+
+    theta1_right: float | None = None
+    theta2_right: float | None = None
+    theta3_right: float | None = None
+    theta1_left: float | None = None
+    theta2_left: float | None = None
+    theta3_left: float | None = None
+    T1: float | None = None
+    T2: float | None = None
+
+
+class HandsState(Message):
+    """Both hands; confidence 0..1."""
+
+    right: HandName = "unknown"
+    left: HandName = "unknown"
+    right_confidence: float = 0.0
+    left_confidence: float = 0.0
+
+
+class ArmTargetState(Message):
+    """Set-points of one arm in degrees (robot_sim.commands.ArmTarget)."""
+
+    c1_deg: float
+    c2_deg: float
+    elbow_deg: float
+
+
+class CommandState(Message):
+    """The command that reached the robot; null = hold."""
+
+    drive_m_s: float
+    turn_rad_s: float
+    right_arm: ArmTargetState | None
+    left_arm: ArmTargetState | None
+    rear_arm: ArmTargetState | None
+    lift_m: float | None
+    disc_rad: float | None
+    gripper_open: bool | None
+    cutter_closed: bool | None
+    spray_on: bool
+    liquid: LiquidName | None
+    head_camera_sweep: bool
+    reasons: tuple[str, ...]
+
+
+class BasePose(Message):
+    """The chassis in the world frame."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+class RobotWire(Message):
+    """What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints)."""
+
+    base: BasePose
+    joints: dict[str, float]
+    targets: dict[str, float]
+    gripper_open: bool
+    cutter_closed: bool
+    spray_on: bool
+    liquid: LiquidName
+    estop: bool
+    drive_m_s: float
+    turn_rad_s: float
+    sim_time_s: float
+    reasons: tuple[str, ...]
+
+
+class StageLatency(Message):
+    """Milliseconds over the last few hundred frames."""
+
+    p50: float
+    p95: float
+    last: float
+
+
+class State(Message):
+    """One frame's worth of everything. A newer one replaces an older one in the send queue."""
+
+    type: Literal["state"] = "state"
+    seq: int
+    t: float
+    source: SourceState | None
+    skeleton: SkeletonState | None
+    spine_xz: tuple[float, float] | None
+    floor: FloorState | None
+    zone: ZoneName
+    mode: ModeName
+    engaged: bool
+    engage_progress: float
+    angles: AnglesState
+    hands: HandsState
+    command: CommandState
+    robot: RobotWire
+    reasons: tuple[str, ...]
+    latency_ms: dict[str, StageLatency]
+    clients: int
+
+
+class EventMessage(Message):
+    """Something that happened once. Never dropped on the way to a client."""
+
+    type: Literal["event"] = "event"
+    t: float
+    kind: str
+    reason: str
+    detail: str = ""
+
+
+class ErrorMessage(Message):
+    """Why the server refused a message of this client."""
+
+    type: Literal["error"] = "error"
+    detail: str
+
+
+class Painted(Message):
+    """Client: the overlay of state ``seq`` is on the screen."""
+
+    type: Literal["painted"] = "painted"
+    seq: int = Field(ge=0)
+
+
+class View(Message):
+    """Client: which pictures it wants."""
+
+    type: Literal["view"] = "view"
+    image: Literal["depth", "color", "none"] = "depth"
+    head: bool = False
+
+
+ServerMessage = Annotated[Hello | State | EventMessage | ErrorMessage, Field(discriminator="type")]
+ClientMessage = Annotated[Painted | View, Field(discriminator="type")]
