@@ -1,0 +1,219 @@
+"""A recording as a source of frames: by topic, by time, with or without colour."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from teleop.errors import FrameError, RecordingError
+from teleop.frames import Camera, ColorImage, DepthFrame, DepthImage, Intrinsics, kinect_v1
+from teleop.recording import topics
+from teleop.recording.mcap_file import McapFile
+from teleop.sources.base import SourceInfo
+
+_log = logging.getLogger(__name__)
+_MAX_SIDE = 16384
+_MIN_COLOR_TOLERANCE_NS = 20_000_000
+
+
+class McapSource:
+    """Frames of an MCAP file with the topics of ``teleop.recording.topics``, written by us or by others."""
+
+    def __init__(self, path: Path | str) -> None:
+        """Open. Raises RecordingError: missing, not an MCAP, empty, without 16-bit depth."""
+        self.path = Path(path)
+        self.file = McapFile(self.path)
+        try:
+            self.metadata = self.file.metadata(topics.METADATA)
+            self._check_format()
+            if topics.DEPTH not in self.file.topics:
+                raise RecordingError(self._no_depth())
+            self._t_ns = self.file.topics[topics.DEPTH].t_ns
+            self._info = self._describe()
+        except BaseException:
+            self.file.close()
+            raise
+
+    @property
+    def info(self) -> SourceInfo:
+        """What is known of the recording."""
+        return self._info
+
+    @property
+    def truncated(self) -> str | None:
+        """Why the file ends early, or None when it is whole."""
+        return self.file.truncated
+
+    def frames(self, from_s: float = 0.0) -> Iterator[DepthFrame]:
+        """Frames from ``from_s`` seconds after the first; skips to the chunk without reading what lies before."""
+        first = int(np.searchsorted(self._t_ns, self._t_ns[0] + round(max(from_s, 0.0) * 1e9)))
+        color = _ColorReader(self.file, self._t_ns)
+        for number in range(first, len(self._t_ns)):
+            yield self._frame(number, color)
+
+    def rows(self, topic: str, from_s: float = 0.0) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Times and objects of a JSON topic, such as /teleop/track; nothing when the recording has none of it."""
+        index = self.file.topics.get(topic)
+        if index is None:
+            return
+        first = int(np.searchsorted(index.t_ns, self._t_ns[0] + round(max(from_s, 0.0) * 1e9))) if from_s > 0 else 0
+        for number in range(first, len(index.t_ns)):
+            yield int(index.t_ns[number]), _json_object(self.file, topic, number)
+
+    def urdf(self) -> str | None:
+        """The robot description, if the recording has one."""
+        if topics.ROBOT_DESCRIPTION not in self.file.topics:
+            return None
+        return str(_json_object(self.file, topics.ROBOT_DESCRIPTION, 0).get("data", ""))
+
+    def close(self) -> None:
+        """Close the file; safe to call twice."""
+        self.file.close()
+
+    def _check_format(self) -> None:
+        version = self.metadata.get(topics.KEY_FORMAT, str(topics.FORMAT_VERSION))
+        if not version.isdigit() or int(version) > topics.FORMAT_VERSION:
+            raise RecordingError(
+                f"{self.path} has format version {version}, this teleop reads up to {topics.FORMAT_VERSION}; "
+                "install a newer teleop"
+            )
+
+    def _no_depth(self) -> str:
+        if not self.file.topics:
+            return f"{self.path} holds no complete chunk of messages"
+        return f"{self.path} has no depth on {topics.DEPTH}; its topics are: {', '.join(sorted(self.file.topics))}"
+
+    def _describe(self) -> SourceInfo:
+        depth = self._depth_image(0)
+        camera = self._camera(depth.shape[1], depth.shape[0])
+        span_ns = int(self._t_ns[-1] - self._t_ns[0])
+        return SourceInfo(
+            uri=str(self.path),
+            kind="mcap",
+            camera=camera,
+            live=False,
+            frame_count=len(self._t_ns),
+            duration_s=span_ns * 1e-9,
+            has_color=topics.COLOR in self.file.topics,
+        )
+
+    def _camera(self, width: int, height: int) -> Camera:
+        mirrored = self.metadata.get(topics.KEY_MIRRORED, "false") == "true"
+        k = self._intrinsics(topics.DEPTH_INFO)
+        if k is None:
+            _log.warning("%s has no %s; taking a Kinect v1's", self.path, topics.DEPTH_INFO)
+            k = kinect_v1(width, height)
+        if (k.width, k.height) != (width, height):
+            raise RecordingError(
+                f"{self.path}: depth images are {width}x{height} but camera_info says {k.width}x{k.height}"
+            )
+        if topics.KEY_FORMAT in self.metadata:
+            return Camera(k, mirrored, self._metadata_color(), self._metadata_transform())
+        return Camera(k, mirrored, self._intrinsics(topics.COLOR_INFO))
+
+    def _intrinsics(self, topic: str) -> Intrinsics | None:
+        if topic not in self.file.topics:
+            return None
+        info = self.file.message(topic, 0)
+        matrix = list(getattr(info, "K", []))
+        if len(matrix) != 9:
+            raise RecordingError(f"{self.path}: {topic} has no 3x3 matrix K")
+        try:
+            return Intrinsics(matrix[0], matrix[4], matrix[2], matrix[5], info.width, info.height)
+        except FrameError as error:
+            raise RecordingError(f"{self.path}: {topic}: {error}") from None
+
+    def _metadata_color(self) -> Intrinsics | None:
+        text = self.metadata.get(topics.KEY_COLOR)
+        if text is None:
+            return None
+        try:
+            return Intrinsics(**json.loads(text))
+        except (ValueError, TypeError, FrameError) as error:
+            raise RecordingError(f"{self.path}: metadata '{topics.KEY_COLOR}' is damaged: {error}") from None
+
+    def _metadata_transform(self) -> tuple[tuple[float, ...], ...] | None:
+        text = self.metadata.get(topics.KEY_T_COLOR_DEPTH)
+        if text is None:
+            return None
+        try:
+            matrix = np.array(json.loads(text), dtype=np.float64).reshape(4, 4)
+        except (ValueError, TypeError) as error:
+            raise RecordingError(f"{self.path}: metadata '{topics.KEY_T_COLOR_DEPTH}' is damaged: {error}") from None
+        return tuple(tuple(float(x) for x in row) for row in matrix)
+
+    def _frame(self, number: int, color: _ColorReader) -> DepthFrame:
+        t_ns = int(self._t_ns[number])
+        try:
+            return DepthFrame(t_ns, self._depth_image(number), self._info.camera, color.nearest(t_ns), number)
+        except FrameError as error:
+            raise RecordingError(f"{self.path}: frame {number}: {error}") from None
+
+    def _depth_image(self, number: int) -> DepthImage:
+        image = self.file.message(topics.DEPTH, number)
+        encoding = getattr(image, "encoding", "")
+        if encoding != topics.DEPTH_ENCODING:
+            raise RecordingError(
+                f"{self.path}: depth is encoded as '{encoding}', it must be {topics.DEPTH_ENCODING} in millimetres"
+            )
+        width, height, step = image.width, image.height, image.step or 2 * image.width
+        data = image.data
+        sizes_ok = 0 < width <= _MAX_SIDE and 0 < height <= _MAX_SIDE and step >= 2 * width and step % 2 == 0
+        if not sizes_ok or len(data) < step * height:
+            raise RecordingError(
+                f"{self.path}: depth image {number} says {width}x{height} with {step} bytes a row but holds {len(data)}"
+            )
+        rows = np.frombuffer(data, dtype="<u2", count=step // 2 * height).reshape(height, step // 2)
+        return rows[:, :width].astype(np.uint16, copy=False)
+
+
+class _ColorReader:
+    """The colour image nearest in time to a depth image; the last one stays decoded."""
+
+    def __init__(self, file: McapFile, depth_t_ns: Any) -> None:
+        self._file = file
+        index = file.topics.get(topics.COLOR)
+        self._t_ns = index.t_ns if index is not None else np.zeros(0, dtype=np.int64)
+        periods = [float(np.median(np.diff(t))) for t in (depth_t_ns, self._t_ns) if len(t) > 1]
+        # Half the longer period: at half the depth rate every depth image still has its colour image.
+        self._tolerance_ns = max([_MIN_COLOR_TOLERANCE_NS, *(p / 2 for p in periods)])
+        self._last: tuple[int, ColorImage] | None = None
+
+    def nearest(self, t_ns: int) -> ColorImage | None:
+        """RGB image (h, w, 3), or None when no image lies near enough."""
+        if len(self._t_ns) == 0:
+            return None
+        after = int(np.searchsorted(self._t_ns, t_ns))
+        candidates = [i for i in (after - 1, after) if 0 <= i < len(self._t_ns)]
+        number = min(candidates, key=lambda i: abs(int(self._t_ns[i]) - t_ns))
+        if abs(int(self._t_ns[number]) - t_ns) > self._tolerance_ns:
+            return None
+        if self._last is None or self._last[0] != number:
+            self._last = (number, self._decode(number))
+        return self._last[1]
+
+    def _decode(self, number: int) -> ColorImage:
+        message = self._file.message(topics.COLOR, number)
+        data = np.frombuffer(getattr(message, "data", b""), dtype=np.uint8)
+        image = cv2.imdecode(data, cv2.IMREAD_COLOR) if len(data) else None
+        if image is None:
+            raise RecordingError(f"{self._file.path}: colour image {number} cannot be decoded")
+        rgb = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+        rgb.flags.writeable = False
+        return rgb.astype(np.uint8, copy=False)
+
+
+def _json_object(file: McapFile, topic: str, number: int) -> dict[str, Any]:
+    try:
+        value = json.loads(file.payload(topic, number))
+    except ValueError as error:
+        raise RecordingError(f"{file.path}: message {number} of {topic} is not JSON: {error}") from None
+    if not isinstance(value, dict):
+        raise RecordingError(f"{file.path}: message {number} of {topic} is not a JSON object")
+    return value

@@ -1,0 +1,56 @@
+"""The file under the MCAP writer: remembers a failed write, which the writer's log calls do not report."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import BinaryIO
+
+from teleop.errors import RecordingError
+
+
+class OutputFile:
+    """A new binary file that keeps its first error (disk full, pulled drive) instead of losing it."""
+
+    def __init__(self, path: Path) -> None:
+        """Create ``path``. Raises RecordingError when it exists already or cannot be created."""
+        try:
+            self._file: BinaryIO = path.open("xb")
+        except FileExistsError:
+            raise RecordingError(f"{path} exists already; remove it or choose another name") from None
+        except OSError as error:
+            raise RecordingError(f"cannot create {path}: {error.strerror or error}") from None
+        self.error: OSError | None = None
+
+    def write(self, data: bytes) -> int:
+        """Append bytes at the current position."""
+        try:
+            return self._file.write(data)
+        except OSError as error:
+            self.error = self.error or error
+            raise
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Move the position; writes that were held back happen here."""
+        if (offset, whence) == (0, os.SEEK_CUR):
+            return self._file.tell()
+        try:
+            return self._file.seek(offset, whence)
+        except OSError as error:
+            self.error = self.error or error
+            raise
+
+    def flush(self) -> None:
+        """Hand everything to the operating system, so that a killed process loses nothing of it."""
+        try:
+            self._file.flush()
+        except OSError as error:
+            self.error = self.error or error
+            raise
+
+    def close(self) -> None:
+        """Close the file; an error of the last write is kept in ``error``."""
+        try:
+            self._file.close()
+        except OSError as error:
+            self.error = self.error or error

@@ -1,0 +1,40 @@
+"""The words of the recording format: topics, metadata keys, version..
+
+Frames of reference: images, camera_info and the skeleton are in ``camera_depth_optical_frame`` (x right in the
+image, y down, z forward, metres), so that overlays lie on the depth image whether it is mirrored or not.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+FORMAT_VERSION: Final = 1
+
+DEPTH: Final = "/camera/depth/image_raw"
+DEPTH_INFO: Final = "/camera/depth/camera_info"
+COLOR: Final = "/camera/color/image_raw/compressed"
+COLOR_INFO: Final = "/camera/color/camera_info"
+JOINT_STATES: Final = "/joint_states"
+TF: Final = "/tf"
+ROBOT_DESCRIPTION: Final = "/robot_description"
+SKELETON: Final = "/teleop/skeleton"
+TRACK: Final = "/teleop/track"
+EVENTS: Final = "/teleop/events"
+INPUTS: Final = "/teleop/inputs"
+
+DEPTH_FRAME: Final = "camera_depth_optical_frame"
+COLOR_FRAME: Final = "camera_color_optical_frame"
+WORLD_FRAME: Final = "world"
+
+DEPTH_ENCODING: Final = "16UC1"
+
+METADATA: Final = "teleop"
+"""Name of the MCAP metadata record; its keys follow."""
+KEY_FORMAT: Final = "format_version"
+KEY_SOFTWARE: Final = "software_version"
+KEY_MIRRORED: Final = "mirrored"
+KEY_SOURCE: Final = "source"
+KEY_COLOR: Final = "color"
+"""JSON of the colour camera's intrinsics; absent when colour is registered to depth."""
+KEY_T_COLOR_DEPTH: Final = "T_color_depth"
+"""JSON of the 4x4 matrix; absent when it is the identity."""
