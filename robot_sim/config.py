@@ -1,0 +1,137 @@
+"""The robot's configuration: dimensions, masses, limits, speeds; frozen, validated, every number with its unit."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+
+class RobotSection(BaseModel):
+    """A frozen section; an unknown key, an infinity or a value out of range is refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class AxisLimits(RobotSection):
+    """Range, speed, acceleration and effort of one driven joint (radians, or metres for the lift)."""
+
+    lower: float = Field(ge=-10.0, le=10.0, description="lowest position [rad or m]; source: choice")
+    upper: float = Field(ge=-10.0, le=10.0, description="highest position [rad or m]; source: choice")
+    speed: float = Field(gt=0.0, le=20.0, description="highest speed [rad/s or m/s]; source: choice")
+    acceleration: float = Field(gt=0.0, le=200.0, description="highest acceleration [rad/s2 or m/s2]; source: choice")
+    effort: float = Field(gt=0.0, le=5000.0, description="highest motor torque or force [Nm or N]; source: choice")
+
+    @model_validator(mode="after")
+    def _range_is_not_empty(self) -> Self:
+        if self.lower >= self.upper:
+            raise ValueError(f"lower ({self.lower}) must be below upper ({self.upper})")
+        return self
+
+
+class ChassisConfig(RobotSection):
+    """Crawler chassis: x forward, y left; two tracks with one brushless motor each."""
+
+    length_m: float = Field(0.92, ge=0.4, le=2.0, description="length over the tracks [m]; fits a 1.4 m aisle")
+    width_m: float = Field(0.62, ge=0.3, le=1.2, description="width over the tracks [m]")
+    track_width_m: float = Field(0.11, ge=0.05, le=0.3, description="width of one track [m]")
+    wheel_radius_m: float = Field(0.085, ge=0.04, le=0.2, description="radius of the road wheels, track included [m]")
+    deck_height_m: float = Field(0.30, ge=0.15, le=0.6, description="top of the deck over the floor [m]")
+    mass_kg: float = Field(62.0, ge=10.0, le=300.0, description="frame, motors, battery, tanks (full) [kg]")
+    wheel_mass_kg: float = Field(1.6, ge=0.1, le=10.0, description="one road wheel with its part of the track [kg]")
+    track_friction: float = Field(0.9, ge=0.1, le=2.0, description="rubber on concrete, along the track [1]")
+    lateral_friction: float = Field(
+        0.35, ge=0.05, le=1.0, description="share of the friction left across the track when it scrubs [1]"
+    )
+    drive_m_s: float = Field(0.5, ge=0.05, le=2.0, description="highest speed [m/s]; walking pace between rows")
+    turn_rad_s: float = Field(0.8, ge=0.05, le=3.0, description="highest turning rate on the spot [rad/s]")
+    drive_m_s2: float = Field(0.8, ge=0.05, le=5.0, description="acceleration of driving [m/s2]")
+    turn_rad_s2: float = Field(1.6, ge=0.05, le=10.0, description="acceleration of turning [rad/s2]")
+    stop_m_s2: float = Field(2.0, ge=0.2, le=10.0, description="braking on emergency stop [m/s2]")
+    stop_rad_s2: float = Field(4.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]")
+    motor_nm: float = Field(40.0, ge=1.0, le=500.0, description="torque of one track's motor at its wheels [Nm]")
+    heading_gain_1_s: float = Field(4.0, ge=0.0, le=20.0, description="gyro: turning rate per heading error [1/s]")
+
+
+class ArmConfig(RobotSection):
+    """One of three identical arms: 2-DOF shoulder (C1, C2) and elbow."""
+
+    upper_m: float = Field(0.29, ge=0.1, le=0.8, description="shoulder to elbow [m]; about a person's upper arm")
+    forearm_m: float = Field(0.25, ge=0.1, le=0.8, description="elbow to tool flange [m]; about a person's forearm")
+    shoulder_offset_m: float = Field(0.24, ge=0.1, le=0.6, description="right, left shoulder beside the mast [m]")
+    forward_offset_m: float = Field(0.05, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]")
+    rear_offset_m: float = Field(0.20, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
+    upper_kg: float = Field(1.1, ge=0.1, le=10.0, description="mass of the upper arm with the elbow servo [kg]")
+    forearm_kg: float = Field(0.7, ge=0.1, le=10.0, description="mass of the forearm [kg]")
+    tool_kg: float = Field(0.35, ge=0.02, le=5.0, description="mass of an end effector [kg]")
+    c1: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=-0.35, upper=2.1, speed=2.6, acceleration=16.0, effort=45.0),
+        description="shoulder axis C1, forward positive [rad]",
+    )
+    c2: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=-0.20, upper=1.75, speed=2.6, acceleration=16.0, effort=45.0),
+        description="shoulder axis C2, outward positive [rad]",
+    )
+    elbow: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=0.0, upper=2.2, speed=3.2, acceleration=20.0, effort=25.0),
+        description="elbow, 0 straight, bending forward positive [rad]",
+    )
+
+
+class UpperBodyConfig(RobotSection):
+    """Lift, disc and head: what carries the arms."""
+
+    chest_yaw_rad: float = Field(
+        pi / 2,
+        ge=-pi,
+        le=pi,
+        description="where the chest faces at disc zero, from forward to the left [rad]; choice: the crop stands "
+        "beside the aisle, so that driving moves the arms along the row",
+    )
+    shoulder_height_m: float = Field(1.20, ge=0.8, le=2.0, description="shoulders over the floor, lift down [m]")
+    home_lift_m: float = Field(0.10, ge=0.0, le=1.0, description="lift at the start [m]")
+    spray_disc_rad: float = Field(
+        pi, ge=-3.2, le=3.2, description="disc for spraying [rad]; a half turn brings the rear arm to the crop"
+    )
+    pick_disc_rad: float = Field(0.0, ge=-3.2, le=3.2, description="disc for picking [rad]; the chest at the crop")
+    lift: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=0.0, upper=0.40, speed=0.12, acceleration=0.5, effort=2500.0),
+        description="self-locking lift (lead screw) [m]",
+    )
+    disc: AxisLimits = Field(
+        # a half turn in pi/speed + speed/acceleration = 2.0 s
+        default_factory=lambda: AxisLimits(lower=-3.2, upper=3.2, speed=2.1, acceleration=4.2, effort=220.0),
+        description="rotating disc that carries the upper body [rad]",
+    )
+    head_pan: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=-1.2, upper=1.2, speed=0.6, acceleration=3.0, effort=4.0),
+        description="turning base of the head camera [rad]",
+    )
+    head_tilt_rad: float = Field(0.42, ge=-1.0, le=1.2, description="fixed downward tilt of the head camera [rad]")
+    head_fov_rad: float = Field(1.12, ge=0.3, le=2.5, description="vertical field of view of the head camera [rad]")
+    upper_body_kg: float = Field(14.0, ge=2.0, le=80.0, description="torso with shoulders [kg]")
+
+
+class ToolConfig(RobotSection):
+    """Gripper and cutter on the right arm, box on the left, sprayer on the rear."""
+
+    jaw: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=0.0, upper=0.042, speed=0.20, acceleration=2.0, effort=14.0),
+        description="travel of one gripper jaw from closed [m]; a cucumber is about 4 cm thick",
+    )
+    cutter: AxisLimits = Field(
+        default_factory=lambda: AxisLimits(lower=0.0, upper=0.75, speed=5.0, acceleration=60.0, effort=6.0),
+        description="cutter blade, 0 open, upper closed [rad]",
+    )
+
+
+class RobotConfig(RobotSection):
+    """Everything about the robot that can be changed without changing code."""
+
+    chassis: ChassisConfig = Field(default_factory=ChassisConfig)
+    arm: ArmConfig = Field(default_factory=ArmConfig)
+    body: UpperBodyConfig = Field(default_factory=UpperBodyConfig)
+    tool: ToolConfig = Field(default_factory=ToolConfig)
+    position_gain: float = Field(0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick")
+    disc_still_rad: float = Field(0.01, ge=1e-4, le=0.2, description="the disc counts as turning above this [rad]")

@@ -1,0 +1,220 @@
+"""The robot's own limiter: from what is wanted to set-points that joints and tracks can follow. Pure; guards every tick.
+
+Two halves: ``resolve`` reads a command once (range, NaN, locks) into goals, ``advance`` moves the set-points one
+tick towards them with bounded speed and acceleration; ``limit`` is both. A joint's goal of None means stand still:
+brake and stay, which is what ``None`` in a command says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from math import copysign, isfinite, sqrt
+
+from robot_sim.actuators import JOINT_INDEX, axes
+from robot_sim.arm_angles import joint_rad
+from robot_sim.commands import ARM_NAMES, Liquid, RobotCommand
+from robot_sim.config import AxisLimits, RobotConfig
+from robot_sim.reasons import RobotReason
+
+_AT_REST = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoints:
+    """What the motors follow now. position, velocity: one per robot_sim.actuators.JOINTS [rad or m, per second]."""
+
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    drive_m_s: float = 0.0
+    turn_rad_s: float = 0.0
+    gripper_open: bool = True
+    cutter_closed: bool = False
+    spray_on: bool = False
+    liquid: Liquid = Liquid.WATER
+    sweep_sign: float = 1.0
+    estop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Goals:
+    """A command inside the limits. position: one per joint, None = stand still. reasons: what was changed."""
+
+    position: tuple[float | None, ...]
+    drive_m_s: float
+    turn_rad_s: float
+    gripper_open: bool | None
+    cutter_closed: bool | None
+    spray_on: bool
+    liquid: Liquid | None
+    sweep: bool
+    reasons: tuple[str, ...]
+
+
+def home_setpoints(config: RobotConfig) -> Setpoints:
+    """Arms hanging down, gripper open, everything at rest."""
+    home = tuple(axis.home for axis in axes(config))
+    return Setpoints(position=home, velocity=(0.0,) * len(home))
+
+
+def limit(
+    previous: Setpoints, wanted: RobotCommand, dt_s: float, config: RobotConfig
+) -> tuple[Setpoints, tuple[str, ...]]:
+    """One tick of ``dt_s`` seconds towards a command: new set-points and the reason codes of every change."""
+    return advance(previous, resolve(wanted, config), dt_s, config)
+
+
+def resolve(wanted: RobotCommand, config: RobotConfig) -> Goals:
+    """Clamp a command to joint ranges and chassis speeds; a value that is not a finite number counts as a hold."""
+    reasons: dict[str, None] = {}
+    goal: list[float | None] = [None] * len(JOINT_INDEX)
+    asked: dict[str, float] = {}
+    for arm in ARM_NAMES:
+        if (target := wanted.arm(arm)) is None:
+            continue
+        if all(isfinite(getattr(target, f.name)) for f in fields(target)):
+            asked |= joint_rad(target, arm)
+        else:
+            reasons[RobotReason.NOT_A_NUMBER] = None
+    for name, value in (("lift", wanted.lift_m), ("disc", wanted.disc_rad)):
+        if value is None:
+            continue
+        if isfinite(value):
+            asked[name] = value
+        else:
+            reasons[RobotReason.NOT_A_NUMBER] = None
+    jaw, cutter = config.tool.jaw, config.tool.cutter
+    if wanted.gripper_open is not None:
+        asked |= dict.fromkeys(("gripper_left", "gripper_right"), jaw.upper if wanted.gripper_open else jaw.lower)
+    if wanted.cutter_closed is not None:
+        asked["cutter"] = cutter.upper if wanted.cutter_closed else cutter.lower
+    all_axes = axes(config)
+    for name, value in asked.items():
+        i = JOINT_INDEX[name]
+        limits = all_axes[i].limits
+        goal[i] = min(max(value, limits.lower), limits.upper)
+        # half a servo step of a tenth of a degree is rounding, not a limit
+        if abs(value - (goal[i] or 0.0)) > 1e-3:
+            reasons[RobotReason.JOINT_LIMIT] = None
+    speeds = []
+    for value, most in (
+        (wanted.drive_m_s, config.chassis.drive_m_s),
+        (wanted.turn_rad_s, config.chassis.turn_rad_s),
+    ):
+        if not isfinite(value):
+            reasons[RobotReason.NOT_A_NUMBER] = None
+        elif abs(value) > most:
+            reasons[RobotReason.CHASSIS_SPEED] = None
+        speeds.append(min(max(value, -most), most) if isfinite(value) else 0.0)
+    return Goals(
+        position=tuple(goal),
+        drive_m_s=speeds[0],
+        turn_rad_s=speeds[1],
+        gripper_open=wanted.gripper_open,
+        cutter_closed=wanted.cutter_closed,
+        spray_on=wanted.spray_on,
+        liquid=wanted.liquid,
+        sweep=wanted.head_camera_sweep,
+        reasons=tuple(reasons),
+    )
+
+
+_LOCKED_BY_DISC = tuple(
+    i for name, i in JOINT_INDEX.items() if name not in ("lift", "disc", "head_pan") and not name.startswith("gripper")
+)
+"""Arms and cutter stand still while the disc turns; the gripper keeps what it holds."""
+
+
+def advance(previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig) -> tuple[Setpoints, tuple[str, ...]]:
+    """Move the set-points by one tick; speeds, accelerations and locks hold whatever the goals are."""
+    reasons = dict.fromkeys(goals.reasons)
+    wanted = list(goals.position)
+    turning = disc_turning(previous, goals, config)
+    sweep_sign = previous.sweep_sign
+    pan = JOINT_INDEX["head_pan"]
+    if goals.sweep:
+        span = config.body.head_pan
+        if previous.position[pan] >= span.upper - _AT_REST:
+            sweep_sign = -1.0
+        elif previous.position[pan] <= span.lower + _AT_REST:
+            sweep_sign = 1.0
+        wanted[pan] = span.upper if sweep_sign > 0.0 else span.lower
+    if turning:
+        for i in _LOCKED_BY_DISC:
+            wanted[i] = None
+        reasons[RobotReason.DISC_TURNING] = None
+    if previous.estop:
+        wanted = [None] * len(wanted)
+        reasons[RobotReason.ESTOP] = None
+    position, velocity = [], []
+    for axis, p, v, goal in zip(axes(config), previous.position, previous.velocity, wanted, strict=True):
+        p, v = _advance_joint(p, v, goal, axis.limits, dt_s)
+        if abs(v) >= axis.limits.speed - _AT_REST:
+            reasons[RobotReason.JOINT_SPEED] = None
+        position.append(p)
+        velocity.append(v)
+    locked = turning or previous.estop
+    drive, turn = _advance_chassis(previous, goals, dt_s, config, reasons)
+    setpoints = Setpoints(
+        position=tuple(position),
+        velocity=tuple(velocity),
+        drive_m_s=drive,
+        turn_rad_s=turn,
+        gripper_open=previous.gripper_open if goals.gripper_open is None or previous.estop else goals.gripper_open,
+        cutter_closed=previous.cutter_closed if goals.cutter_closed is None or locked else goals.cutter_closed,
+        spray_on=goals.spray_on and not locked,
+        liquid=goals.liquid or previous.liquid,
+        sweep_sign=sweep_sign,
+        estop=previous.estop,
+    )
+    return setpoints, tuple(reasons)
+
+
+def disc_turning(previous: Setpoints, goals: Goals, config: RobotConfig) -> bool:
+    """Whether the disc is under way or about to be."""
+    disc = JOINT_INDEX["disc"]
+    goal = goals.position[disc]
+    under_way = abs(previous.velocity[disc]) > _AT_REST
+    return under_way or (goal is not None and abs(goal - previous.position[disc]) > config.disc_still_rad)
+
+
+def latch_estop(previous: Setpoints, on: bool) -> Setpoints:
+    """Set or reset the emergency stop; while it is set no goal is followed."""
+    return replace(previous, estop=on)
+
+
+def _advance_joint(p: float, v: float, goal: float | None, limits: AxisLimits, dt_s: float) -> tuple[float, float]:
+    """Trapezoidal speed profile in whole ticks: the fastest speed from which braking still ends at the goal."""
+    a = limits.acceleration * dt_s
+    if goal is None:
+        v = 0.0 if abs(v) <= a else v - copysign(a, v)
+        return min(max(p + v * dt_s, limits.lower), limits.upper), v
+    error = goal - p
+    # n ticks of braking from n*a cover a*dt*n*(n+1)/2; solved for the speed n*a that covers the error
+    most = 0.5 * a * (sqrt(1.0 + 8.0 * abs(error) / (a * dt_s)) - 1.0)
+    most = min(most, limits.speed)
+    if most * dt_s > abs(error):
+        most = abs(error) / dt_s
+    v_new = min(max(copysign(most, error), v - a), v + a)
+    if abs(error) <= a * dt_s and abs(v) <= a:
+        return goal, 0.0
+    return min(max(p + v_new * dt_s, limits.lower), limits.upper), v_new
+
+
+def _advance_chassis(
+    previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig, reasons: dict[str, None]
+) -> tuple[float, float]:
+    """Drive and turn speeds with bounded acceleration; an emergency stop brakes harder than driving does."""
+    chassis = config.chassis
+    pairs = (
+        (previous.drive_m_s, goals.drive_m_s, chassis.drive_m_s2, chassis.stop_m_s2),
+        (previous.turn_rad_s, goals.turn_rad_s, chassis.turn_rad_s2, chassis.stop_rad_s2),
+    )
+    speeds = []
+    for now, goal, rate, stop_rate in pairs:
+        goal, rate = (0.0, stop_rate) if previous.estop else (goal, rate)
+        step = rate * dt_s
+        if abs(goal - now) > step:
+            reasons[RobotReason.CHASSIS_ACCELERATION] = None
+            goal = now + copysign(step, goal - now)
+        speeds.append(goal)
+    return speeds[0], speeds[1]
