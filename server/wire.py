@@ -9,28 +9,35 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
+from typing_extensions import TypeAliasType
 
 WIRE_VERSION = 1
 """Raised when a message changes so that an older console cannot read it."""
 
-Point = tuple[float, float, float]
-Pixel = tuple[float, float]
-ZoneName = Literal["none", "out", "forward", "work", "back", "left", "right"]
-ModeName = Literal[
-    "no_person",
-    "seen",
-    "engaged",
-    "picking",
-    "spraying",
-    "forward",
-    "back",
-    "left",
-    "right",
-    "held",
-    "stopped",
-]
-HandName = Literal["open", "fist", "unknown"]
-LiquidName = Literal["water", "nutrient", "pesticide"]
+# Named aliases, so that the generated TypeScript has the same names.
+Vec2 = TypeAliasType("Vec2", tuple[float, float])
+Vec3 = TypeAliasType("Vec3", tuple[float, float, float])
+Vec4 = TypeAliasType("Vec4", tuple[float, float, float, float])
+Zone = TypeAliasType("Zone", Literal["none", "out", "forward", "work", "back", "left", "right"])
+Mode = TypeAliasType(
+    "Mode",
+    Literal[
+        "no_person",
+        "seen",
+        "engaged",
+        "picking",
+        "spraying",
+        "forward",
+        "back",
+        "left",
+        "right",
+        "held",
+        "stopped",
+    ],
+)
+Hand = TypeAliasType("Hand", Literal["open", "fist", "unknown"])
+Liquid = TypeAliasType("Liquid", Literal["water", "nutrient", "pesticide"])
+ImageChoice = TypeAliasType("ImageChoice", Literal["depth", "color", "none"])
 
 
 class Message(BaseModel):
@@ -51,24 +58,27 @@ class CameraInfo(Message):
     mirrored: bool
 
 
-class ZoneInfo(Message):
+class Zones(Message):
     """The floor map (specification, section 3), in metres."""
 
-    depth_cuts_m: tuple[float, float, float, float]
+    depth_cuts_m: Vec4
     center_half_width_m: float
     side_limit_m: float
     hysteresis_m: float
 
 
-class SceneryItem(Message):
-    """One primitive of the greenhouse, in the world frame."""
+class Primitive(Message):
+    """One primitive of the greenhouse, in the world frame.
+
+    size_m: box: edges along x, y, z; cylinder: radius, length along z; sphere: radius.
+    """
 
     name: str
     kind: Literal["box", "cylinder", "sphere"]
     size_m: tuple[float, ...]
-    xyz_m: Point
-    rpy_rad: Point
-    rgba: tuple[float, float, float, float]
+    xyz_m: Vec3
+    rpy_rad: Vec3
+    rgba: Vec4
 
 
 class ArmJoints(Message):
@@ -83,20 +93,20 @@ class Hello(Message):
     """First message, and again after a change of source or configuration."""
 
     type: Literal["hello"] = "hello"
-    version: int = WIRE_VERSION
-    software: str
+    version: str
+    wire: int = WIRE_VERSION
     joint_names: tuple[str, ...]
     bones: tuple[tuple[int, int], ...]
     camera: CameraInfo
-    zones: ZoneInfo
+    zones: Zones
     shoulder_step_deg: float
     T1_threshold_deg: float
     T2_threshold_deg: float
     urdf_url: str
     arm_joints: dict[Literal["right", "left", "rear"], ArmJoints]
-    lift_range_m: tuple[float, float]
-    disc_range_rad: tuple[float, float]
-    scenery: tuple[SceneryItem, ...]
+    lift_range_m: Vec2
+    disc_range_rad: Vec2
+    scenery: tuple[Primitive, ...]
 
 
 class SourceState(Message):
@@ -120,8 +130,8 @@ class SourceState(Message):
 class SkeletonState(Message):
     """Joints in metres in the camera's axes, their depth-image pixels and confidence; null = unknown."""
 
-    joints: dict[str, Point | None]
-    pixels: dict[str, Pixel | None]
+    joints: dict[str, Vec3 | None]
+    pixels: dict[str, Vec2 | None]
     confidence: dict[str, float]
 
 
@@ -132,7 +142,7 @@ class FloorState(Message):
     tilt_deg: float
 
 
-class AnglesState(Message):
+class Angles(Message):
     """Angles of the operator's body in degrees, continuous; null where there is no answer."""
 
     theta1_right: float | None = None
@@ -148,13 +158,13 @@ class AnglesState(Message):
 class HandsState(Message):
     """Both hands; confidence 0..1."""
 
-    right: HandName = "unknown"
-    left: HandName = "unknown"
+    right: Hand = "unknown"
+    left: Hand = "unknown"
     right_confidence: float = 0.0
     left_confidence: float = 0.0
 
 
-class ArmTargetState(Message):
+class ArmTarget(Message):
     """Set-points of one arm in degrees (robot_sim.commands.ArmTarget)."""
 
     c1_deg: float
@@ -162,20 +172,20 @@ class ArmTargetState(Message):
     elbow_deg: float
 
 
-class CommandState(Message):
+class Command(Message):
     """The command that reached the robot; null = hold."""
 
     drive_m_s: float
     turn_rad_s: float
-    right_arm: ArmTargetState | None
-    left_arm: ArmTargetState | None
-    rear_arm: ArmTargetState | None
+    right_arm: ArmTarget | None
+    left_arm: ArmTarget | None
+    rear_arm: ArmTarget | None
     lift_m: float | None
     disc_rad: float | None
     gripper_open: bool | None
     cutter_closed: bool | None
     spray_on: bool
-    liquid: LiquidName | None
+    liquid: Liquid | None
     head_camera_sweep: bool
     reasons: tuple[str, ...]
 
@@ -188,7 +198,7 @@ class BasePose(Message):
     yaw: float
 
 
-class RobotWire(Message):
+class RobotState(Message):
     """What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints)."""
 
     base: BasePose
@@ -197,7 +207,7 @@ class RobotWire(Message):
     gripper_open: bool
     cutter_closed: bool
     spray_on: bool
-    liquid: LiquidName
+    liquid: Liquid
     estop: bool
     drive_m_s: float
     turn_rad_s: float
@@ -221,16 +231,16 @@ class State(Message):
     t: float
     source: SourceState | None
     skeleton: SkeletonState | None
-    spine_xz: tuple[float, float] | None
+    spine_xz: Vec2 | None
     floor: FloorState | None
-    zone: ZoneName
-    mode: ModeName
+    zone: Zone
+    mode: Mode
     engaged: bool
     engage_progress: float
-    angles: AnglesState
+    angles: Angles
     hands: HandsState
-    command: CommandState
-    robot: RobotWire
+    command: Command
+    robot: RobotState
     reasons: tuple[str, ...]
     latency_ms: dict[str, StageLatency]
     clients: int
@@ -264,7 +274,7 @@ class View(Message):
     """Client: which pictures it wants."""
 
     type: Literal["view"] = "view"
-    image: Literal["depth", "color", "none"] = "depth"
+    image: ImageChoice = "depth"
     head: bool = False
 
 

@@ -1,0 +1,148 @@
+"""The server's settings tree: defaults, then a TOML file, then TELEOP_* variables, then flags; the last one wins."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict
+
+from robot_sim.config import RobotConfig
+from server.errors import SettingsError
+from server.refusals import explain
+from teleop.config import TeleopConfig
+from teleop.config.base import Section
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+def default_library() -> Path:
+    """Where own recordings go: $XDG_DATA_HOME/greenhouse-teleop/recordings, else under ~/.local/share."""
+    base = os.environ.get("XDG_DATA_HOME")
+    return (Path(base) if base else Path.home() / ".local" / "share") / "greenhouse-teleop" / "recordings"
+
+
+def bundled_recordings() -> Path:
+    """The recordings that come with the project; read only."""
+    return Path(__file__).resolve().parents[1] / "recordings"
+
+
+class StreamConfig(Section):
+    """What the websocket carries."""
+
+    state_hz: float = Field(30.0, ge=1.0, le=120.0, description="states sent to each client [1/s]")
+    image_hz: float = Field(15.0, ge=1.0, le=60.0, description="depth or colour pictures sent to each client [1/s]")
+    image_width_px: int = Field(320, ge=80, le=1280, description="width of depth and colour pictures [px]")
+    jpeg_quality: int = Field(80, ge=30, le=100, description="JPEG quality of all pictures")
+    depth_near_m: float = Field(0.8, ge=0.1, le=5.0, description="depth drawn in the first colour of the map [m]")
+    depth_far_m: float = Field(4.5, ge=0.5, le=15.0, description="depth drawn in the last colour of the map [m]")
+    head_hz: float = Field(3.0, ge=0.2, le=15.0, description="head camera pictures while somebody looks [1/s]")
+    head_width_px: int = Field(320, ge=80, le=1280, description="width of the head camera picture, 4:3 [px]")
+    max_events: int = Field(500, ge=16, le=100_000, description="unsent events after which a stalled client is closed")
+    max_clients: int = Field(64, ge=1, le=1000, description="clients of the stream at one time")
+
+
+class LoopConfig(Section):
+    """The engine's own pace; watchdog times belong to teleop's safety."""
+
+    tick_hz: float = Field(30.0, ge=5.0, le=240.0, description="control steps while no frame comes [1/s]")
+    max_step_s: float = Field(0.1, ge=0.01, le=0.5, description="longest stretch simulated for one frame [s]")
+    ledger_frames: int = Field(300, ge=30, le=10_000, description="frames the latency percentiles look back on")
+    reset_robot_on_loop: bool = Field(True, description="put the robot back to its start when a recording loops")
+
+
+class UploadConfig(Section):
+    """Limits on what a client may send."""
+
+    recording_mb: int = Field(512, ge=1, le=65536, description="largest uploaded recording [MB]")
+    json_kb: int = Field(256, ge=4, le=16384, description="largest JSON body [kB]")
+    frame_kb: int = Field(4096, ge=64, le=65536, description="largest pushed frame [kB]")
+
+
+class Settings(Section):
+    """Everything the server can be told."""
+
+    host: str = Field("127.0.0.1", min_length=1, description="address to listen on; beyond loopback it is open to all")
+    port: int = Field(8000, ge=1, le=65535, description="TCP port to listen on")
+    source: str = Field("", description="source URI to start with; empty waits for POST /api/v1/sessions")
+    loop: bool = Field(True, description="start a recorded source again at its end")
+    record: bool = Field(False, description="record the session to the library")
+    library: Path = Field(default_factory=default_library, description="folder of own recordings")
+    model: Path | None = Field(None, description="body model file; the shipped one by default")
+    allowed_origins: tuple[str, ...] = Field((), description="web origins beside the server's own that may connect")
+    stream: StreamConfig = Field(default_factory=StreamConfig)
+    engine: LoopConfig = Field(default_factory=LoopConfig)
+    upload: UploadConfig = Field(default_factory=UploadConfig)
+    teleop: TeleopConfig = Field(default_factory=TeleopConfig)
+    robot: RobotConfig = Field(default_factory=RobotConfig)
+
+    @property
+    def is_public(self) -> bool:
+        """Whether other machines can reach the server."""
+        return self.host not in LOOPBACK
+
+
+def load_settings(config_file: Path | None = None, flags: Mapping[str, Any] | None = None) -> Settings:
+    """Read the settings. ``flags`` holds those given on the command line (None = not given).
+
+    Raises SettingsError with one line that names the setting and its legal range.
+    """
+    tree = _read_toml(config_file) if config_file else {}
+    settings = _validated(tree)
+    given = {key: value for key, value in (flags or {}).items() if value is not None}
+    return changed(settings, given) if given else settings
+
+
+def changed(settings: Settings, patch: Mapping[str, Any]) -> Settings:
+    """The settings with a partial tree laid over them. Raises SettingsError, and changes nothing, when refused."""
+    merged = _merge(settings.model_dump(mode="python"), patch)
+    try:
+        return Settings.model_validate(merged)
+    except ValidationError as error:
+        raise SettingsError(explain(error, Settings)) from error
+
+
+class _Layered(Settings, BaseSettings):
+    """The same tree filled from the environment over the values given in code."""
+
+    model_config = SettingsConfigDict(env_prefix="TELEOP_", env_nested_delimiter="__")
+
+    @classmethod
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        dotenv_settings: PydanticBaseSettingsSource,
+        file_secret_settings: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        del settings_cls, dotenv_settings, file_secret_settings
+        return env_settings, init_settings
+
+
+def _validated(tree: Mapping[str, Any]) -> Settings:
+    try:
+        return _Layered(**tree)
+    except ValidationError as error:
+        raise SettingsError(explain(error, Settings)) from error
+
+
+def _merge(base: Mapping[str, Any], patch: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in patch.items():
+        old = merged.get(key)
+        merged[key] = _merge(old, value) if isinstance(old, dict) and isinstance(value, Mapping) else value
+    return merged
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise SettingsError(f"no configuration file {path}; give the path of a TOML file to --config") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise SettingsError(f"{path}: {error}; it must be a TOML file, see the configuration page") from error
