@@ -10,16 +10,17 @@ from typing import Any
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from teleop.errors import FrameError, RecordingError
 from teleop.frames import Camera, ColorImage, DepthFrame, DepthImage, Intrinsics, kinect_v1
 from teleop.recording import topics
 from teleop.recording.mcap_file import McapFile
 from teleop.sources.base import SourceInfo
+from teleop.sources.nearest import NearestInTime
 
 _log = logging.getLogger(__name__)
 _MAX_SIDE = 16384
-_MIN_COLOR_TOLERANCE_NS = 20_000_000
 
 
 class McapSource:
@@ -176,23 +177,17 @@ class McapSource:
 class _ColorReader:
     """The colour image nearest in time to a depth image; the last one stays decoded."""
 
-    def __init__(self, file: McapFile, depth_t_ns: Any) -> None:
+    def __init__(self, file: McapFile, depth_t_ns: npt.NDArray[np.int64]) -> None:
         self._file = file
         index = file.topics.get(topics.COLOR)
-        self._t_ns = index.t_ns if index is not None else np.zeros(0, dtype=np.int64)
-        periods = [float(np.median(np.diff(t))) for t in (depth_t_ns, self._t_ns) if len(t) > 1]
-        # Half the longer period: at half the depth rate every depth image still has its colour image.
-        self._tolerance_ns = max([_MIN_COLOR_TOLERANCE_NS, *(p / 2 for p in periods)])
+        t_ns = index.t_ns if index is not None else np.zeros(0, dtype=np.int64)
+        self._nearest = NearestInTime(t_ns, depth_t_ns)
         self._last: tuple[int, ColorImage] | None = None
 
     def nearest(self, t_ns: int) -> ColorImage | None:
         """RGB image (h, w, 3), or None when no image lies near enough."""
-        if len(self._t_ns) == 0:
-            return None
-        after = int(np.searchsorted(self._t_ns, t_ns))
-        candidates = [i for i in (after - 1, after) if 0 <= i < len(self._t_ns)]
-        number = min(candidates, key=lambda i: abs(int(self._t_ns[i]) - t_ns))
-        if abs(int(self._t_ns[number]) - t_ns) > self._tolerance_ns:
+        number = self._nearest.index(t_ns)
+        if number is None:
             return None
         if self._last is None or self._last[0] != number:
             self._last = (number, self._decode(number))

@@ -22,7 +22,7 @@ class OutputFile:
             raise RecordingError(f"cannot create {path}: {error.strerror or error}") from None
         self.error: OSError | None = None
 
-    def write(self, data: bytes) -> int:
+    def write(self, data: bytes | bytearray) -> int:
         """Append bytes at the current position."""
         try:
             return self._file.write(data)
