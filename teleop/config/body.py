@@ -1,9 +1,115 @@
-"""Configuration of perception: segmentation, forest, mean shift, filter."""
+"""Configuration of perception: segmentation, forest, mean shift, skeleton, filter. Sub-sections follow the data flow."""
 
 from __future__ import annotations
+
+from pydantic import Field
 
 from teleop.config.base import Section
 
 
+class FloorConfig(Section):
+    """Finding the floor plane."""
+
+    max_tilt_deg: float = Field(
+        25.0, ge=0, le=60, description="largest tilt of the sensor [deg]; sensors stand within 15 deg, with reserve"
+    )
+    min_height_m: float = Field(0.25, ge=0, le=3, description="lowest plausible sensor height [m]")
+    max_height_m: float = Field(2.6, ge=0.3, le=5, description="highest plausible sensor height [m]")
+    inlier_m: float = Field(
+        0.035, gt=0, le=0.2, description="distance from the plane counted as floor [m] at 2 m; grows with z^2 (noise)"
+    )
+    min_inliers: int = Field(250, ge=10, le=100000, description="fewest cells of the decimated cloud on a floor")
+    trials: int = Field(160, ge=1, le=5000, description="RANSAC trials; 0.3 inliers give a hit with P > 0.98")
+    smoothing: float = Field(0.1, gt=0, le=1, description="weight of a new plane in the running mean")
+
+
+class SegmentationConfig(Section):
+    """Telling the operator from the room."""
+
+    min_depth_m: float = Field(0.5, ge=0.1, le=5, description="nearest depth used [m]; a Kinect reads from 0.5 m")
+    max_depth_m: float = Field(5.0, ge=1, le=12, description="farthest depth used [m]")
+    grid_columns: int = Field(160, ge=40, le=640, description="columns of the decimated grid that is labelled")
+    jump_m: float = Field(
+        0.07, gt=0, le=0.5, description="depth step that parts two surfaces [m] at 2 m; grows with z^2 (quantisation)"
+    )
+    floor_clearance_m: float = Field(0.05, ge=0, le=0.3, description="height above the floor still taken as floor [m]")
+    min_height_m: float = Field(0.55, gt=0, le=2, description="least height of the visible part of an operator [m]")
+    max_height_m: float = Field(2.4, gt=0.5, le=3, description="greatest height: a tall person with raised arms [m]")
+    max_width_m: float = Field(2.1, gt=0.5, le=4, description="greatest width: arms spread [m]")
+    max_thickness_m: float = Field(1.5, gt=0.3, le=4, description="greatest extent in depth: arm to the sensor [m]")
+    min_area_m2: float = Field(0.18, gt=0, le=2, description="least visible surface [m^2]; a slim torso with head")
+    max_area_m2: float = Field(1.6, gt=0.3, le=5, description="greatest visible surface [m^2]; a wide coat")
+    candidates: int = Field(3, ge=1, le=10, description="components tried as operator in a frame, likeliest first")
+
+
+class ForestConfig(Section):
+    """Running the forest over the operator's pixels."""
+
+    max_pixels: int = Field(
+        4500, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
+    )
+
+
+class ProposalConfig(Section):
+    """From votes to joint proposals (mean shift)."""
+
+    max_points: int = Field(300, ge=20, le=5000, description="votes kept for a joint, the surest ones")
+    starts: int = Field(3, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
+    iterations: int = Field(30, ge=1, le=500, description="most mean-shift steps from a start")
+    tolerance_m: float = Field(0.0005, gt=0, le=0.02, description="a shorter shift ends the iteration [m]")
+    spread_power: float = Field(
+        2.0, ge=0, le=6, description="a vote weighs (1 + (spread / spread_scale)^2)^-power; fitted on validation frames"
+    )
+    spread_scale_m: float = Field(0.06, gt=0, le=1, description="spread at which a vote's weight begins to fall [m]")
+
+
+class SkeletonConfig(Section):
+    """Repairs between proposals and skeleton."""
+
+    enabled: bool = Field(True, description="use bone lengths and the last frame to choose among proposals")
+    min_confidence: float = Field(0.12, ge=0, le=1, description="a joint below this confidence is unknown")
+    bone_tolerance: float = Field(
+        0.35, gt=0, le=2, description="relative error of a bone length that is still believed"
+    )
+    previous_scale_m: float = Field(
+        0.25,
+        gt=0,
+        le=5,
+        description="distance from the last frame's joint that costs as much as a weight ratio of e [m]",
+    )
+    min_person_score: float = Field(
+        0.3, ge=0, le=1, description="mean confidence of head, shoulders and trunk below which it is no person"
+    )
+
+
+class FilterConfig(Section):
+    """Temporal filter: jump gate and One-Euro (Casiez 2012)."""
+
+    enabled: bool = Field(True, description="false gives single-frame results")
+    min_cutoff_hz: float = Field(
+        1.5, gt=0, le=60, description="One-Euro cutoff at rest [Hz]; 1 Hz measured best, less lag"
+    )
+    beta: float = Field(4.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
+    derivative_cutoff_hz: float = Field(2.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
+    max_speed_m_s: float = Field(
+        6.0, gt=0, le=50, description="faster joints are taken for errors [m/s]; a fast hand reaches 4 to 5 m/s"
+    )
+    gate_margin_m: float = Field(0.08, ge=0, le=1, description="jump allowed beside speed times time [m]")
+    hold_s: float = Field(
+        0.25, ge=0, le=5, description="a gated joint is held this long, then the jump is believed [s]"
+    )
+
+
 class BodyConfig(Section):
     """All of perception; its sub-sections follow the data flow."""
+
+    floor: FloorConfig = Field(default_factory=FloorConfig)
+    segmentation: SegmentationConfig = Field(default_factory=SegmentationConfig)
+    forest: ForestConfig = Field(default_factory=ForestConfig)
+    proposals: ProposalConfig = Field(default_factory=ProposalConfig)
+    skeleton: SkeletonConfig = Field(default_factory=SkeletonConfig)
+    filter: FilterConfig = Field(default_factory=FilterConfig)
+    max_gap_s: float = Field(0.5, gt=0, le=60, description="a longer gap between two frames resets the tracker [s]")
+    scene_cut_m: float = Field(
+        0.6, gt=0, le=10, description="an operator's centre that moves farther between frames is a cut [m]"
+    )

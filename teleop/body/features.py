@@ -1,0 +1,106 @@
+"""The one depth-difference sampler, used in training and at run time (Shotton 2011, eq. 1).
+
+``f(x; u, v) = d(x + u/d(x)) - d(x + v/d(x))``, offsets in metres times the focal length in pixels, so that a model
+trained at one resolution and focal length serves every other. All images are *canonical*: columns run towards the
+operator's right (as a mirror shows it), cropped to the operator, padded so that no feature needs a bounds check.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from teleop.frames import Camera
+
+FAR_MM: Final = 10_000
+"""What a pixel off the operator reads, the published "large constant"."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PaddedImage:
+    """A canonical depth image of the operator alone.
+
+    depth_mm: (h, w) int16, FAR_MM off the operator. u0, v0: canonical image coordinates of element (0, 0), may be
+    negative. fx, fy, cx, cy: canonical intrinsics: x = (u - cx) z / fx, y = -(v - cy) z / fy.
+    """
+
+    depth_mm: npt.NDArray[np.int16]
+    u0: int
+    v0: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+
+def pad_image(
+    depth_mm: npt.NDArray[np.uint16],
+    mask: npt.NDArray[np.bool_],
+    box: tuple[int, int, int, int],
+    camera: Camera,
+    max_offset_m: float,
+) -> PaddedImage:
+    """Canonical, cropped and padded image of the operator's pixels.
+
+    depth_mm, mask: (H, W) in the camera's own orientation. box: (u0, v0, u1, v1) round the mask, ends excluded.
+    max_offset_m: the largest feature offset the padding must hold.
+    """
+    u0, v0, u1, v1 = box
+    crop, inside = depth_mm[v0:v1, u0:u1], mask[v0:v1, u0:u1]
+    k = camera.depth
+    nearest_mm = int(crop[inside].min(initial=FAR_MM))
+    pad = int(np.ceil(max_offset_m * max(k.fx, k.fy) * 1000.0 / max(nearest_mm, 1))) + 1
+    image = np.full((v1 - v0 + 2 * pad, u1 - u0 + 2 * pad), FAR_MM, np.int16)
+    body = np.where(inside & (crop < FAR_MM), crop, FAR_MM)
+    cx, left = k.cx, u0
+    if not camera.mirrored:
+        body = body[:, ::-1]
+        cx, left = k.width - 1 - k.cx, k.width - u1
+    image[pad : pad + v1 - v0, pad : pad + u1 - u0] = body
+    return PaddedImage(image, left - pad, v0 - pad, k.fx, k.fy, cx, k.cy)
+
+
+@nb.njit(cache=True, nogil=True, inline="always")
+def depth_difference(
+    depth_mm: npt.NDArray[np.int16],
+    row: int,
+    column: int,
+    scale_x: float,
+    scale_y: float,
+    offsets: npt.NDArray[np.int16],
+    node: int,
+) -> int:
+    """Feature of one pixel in mm. offsets[node]: u_x, u_y, v_x, v_y in 0.1 mm; scale: pixels per 0.1 mm at the pixel.
+
+    Truncation towards zero makes the sampler symmetric: mirroring the image equals negating the x offsets.
+    """
+    a = depth_mm[row + int(offsets[node, 1] * scale_y), column + int(offsets[node, 0] * scale_x)]
+    b = depth_mm[row + int(offsets[node, 3] * scale_y), column + int(offsets[node, 2] * scale_x)]
+    return np.int32(a) - np.int32(b)
+
+
+@nb.njit(cache=True, nogil=True)
+def body_pixels(depth_mm: npt.NDArray[np.int16], stride: int) -> npt.NDArray[np.int32]:
+    """Rows and columns (N, 2) of every stride-th operator pixel in both directions."""
+    height, width = depth_mm.shape
+    out = np.empty((((height + stride - 1) // stride) * ((width + stride - 1) // stride), 2), np.int32)
+    n = 0
+    for row in range(0, height, stride):
+        for column in range(0, width, stride):
+            if depth_mm[row, column] < FAR_MM:
+                out[n, 0] = row
+                out[n, 1] = column
+                n += 1
+    return out[:n].copy()
+
+
+def body_points(image: PaddedImage, where: npt.NDArray[np.int32]) -> npt.NDArray[np.float32]:
+    """Skeleton-space points (N, 3) in metres of pixels given as rows and columns (N, 2)."""
+    z = image.depth_mm[where[:, 0], where[:, 1]] * np.float32(1e-3)
+    x = (where[:, 1] + np.float32(image.u0 - image.cx)) * z / np.float32(image.fx)
+    y = -(where[:, 0] + np.float32(image.v0 - image.cy)) * z / np.float32(image.fy)
+    return np.stack([x, y, z], axis=1).astype(np.float32)

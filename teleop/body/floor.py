@@ -1,0 +1,114 @@
+"""The floor plane: RANSAC on a decimated cloud, checked against the last frame first."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from teleop.config.body import FloorConfig
+from teleop.skeleton import FloorPlane
+
+MIN_EXTENT_M: Final = 0.7
+"""A floor is seen over at least this much in x or z; the top of a shoe or a shoulder is smaller."""
+
+
+@nb.njit(cache=True, nogil=True)
+def count_plane(
+    points_m: npt.NDArray[np.float32], normal: npt.NDArray[np.float64], height_m: float, inlier_m: float
+) -> tuple[int, int]:
+    """Points on the plane and points clearly below it. The band grows with z^2 as the sensor's noise does."""
+    on = below = 0
+    for i in range(len(points_m)):
+        z = points_m[i, 2]
+        band = inlier_m * max(1.0, z * z * 0.25)
+        h = normal[0] * points_m[i, 0] + normal[1] * points_m[i, 1] + normal[2] * z + height_m
+        if h < -2.0 * band:
+            below += 1
+        elif h < band:
+            on += 1
+    return on, below
+
+
+@nb.njit(cache=True, nogil=True)
+def search_plane(
+    points_m: npt.NDArray[np.float32],
+    picks: npt.NDArray[np.int64],
+    min_cosine: float,
+    min_height_m: float,
+    max_height_m: float,
+    inlier_m: float,
+) -> tuple[npt.NDArray[np.float64], float, int]:
+    """Best plane through three of the points: normal (3,), sensor height, score (points on it minus points below)."""
+    best = np.zeros(3)
+    best_height = 0.0
+    best_score = 0
+    for trial in range(len(picks)):
+        a = points_m[picks[trial, 0]].astype(np.float64)
+        b = points_m[picks[trial, 1]].astype(np.float64) - a
+        c = points_m[picks[trial, 2]].astype(np.float64) - a
+        n = np.array([b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]])
+        length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+        if length < 1e-3:
+            continue
+        n = n / length if n[1] > 0 else -n / length
+        height = -(n[0] * a[0] + n[1] * a[1] + n[2] * a[2])
+        if n[1] < min_cosine or height < min_height_m or height > max_height_m:
+            continue
+        on, below = count_plane(points_m, n, height, inlier_m)
+        score = on - 2 * below
+        if score > best_score:
+            best, best_height, best_score = n, height, score
+    return best, best_height, best_score
+
+
+def find_floor(
+    points_m: npt.NDArray[np.float32], previous: FloorPlane | None, config: FloorConfig
+) -> FloorPlane | None:
+    """Floor plane of a cloud (N, 3) in camera axes, or None where no floor is to be seen.
+
+    A previous plane that still fits is refined instead of searched anew. Deterministic: the trials are drawn from a
+    fixed seed. Fischler and Bolles 1981.
+    """
+    low = points_m[points_m[:, 1] < -0.05]
+    if len(low) < config.min_inliers:
+        return None
+    if previous is not None:
+        on, below = count_plane(points_m, previous.normal, previous.camera_height_m, config.inlier_m)
+        if on >= config.min_inliers and below <= 0.25 * on:
+            fresh = _refine(points_m, previous.normal, previous.camera_height_m, config)
+            return previous if fresh is None else _blend(previous, fresh, config.smoothing)
+    picks = np.random.default_rng(20110620).integers(0, len(low), (config.trials, 3))
+    normal, height, score = search_plane(
+        low,
+        picks,
+        float(np.cos(np.radians(config.max_tilt_deg))),
+        config.min_height_m,
+        config.max_height_m,
+        config.inlier_m,
+    )
+    return None if score < config.min_inliers else _refine(points_m, normal, height, config)
+
+
+def _refine(
+    points_m: npt.NDArray[np.float32], normal: npt.NDArray[np.float64], height_m: float, config: FloorConfig
+) -> FloorPlane | None:
+    """Least-squares plane through the inliers, or None where they are too few or too small a patch."""
+    band = config.inlier_m * np.maximum(1.0, points_m[:, 2] ** 2 * 0.25)
+    inliers = points_m[np.abs(points_m @ normal + height_m) < band].astype(np.float64)
+    if len(inliers) < config.min_inliers or max(np.ptp(inliers[:, 0]), np.ptp(inliers[:, 2])) < MIN_EXTENT_M:
+        return None
+    centre = inliers.mean(axis=0)
+    fitted = np.linalg.eigh(np.cov((inliers - centre).T))[1][:, 0]
+    fitted *= np.sign(fitted[1])
+    if fitted[1] < np.cos(np.radians(config.max_tilt_deg)):
+        return None
+    return FloorPlane(fitted, float(-fitted @ centre))
+
+
+def _blend(old: FloorPlane, new: FloorPlane, weight: float) -> FloorPlane:
+    normal = (1 - weight) * old.normal + weight * new.normal
+    height = (1 - weight) * old.camera_height_m + weight * new.camera_height_m
+    return FloorPlane(normal / np.linalg.norm(normal), height)

@@ -1,0 +1,136 @@
+"""The body tracker: one depth frame and a state in, one track and the next state out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from teleop.body.assemble import assemble, person_score
+from teleop.body.features import pad_image
+from teleop.body.filter import FilterState, empty_state, filter_step
+from teleop.body.forest import infer, stride_for
+from teleop.body.model import BodyModel
+from teleop.body.segmentation import Candidate, candidate, grid_mask, look, rank
+from teleop.body.votes import propose, vote_weights
+from teleop.config.body import BodyConfig
+from teleop.frames import Camera, DepthFrame
+from teleop.skeleton import BodyParts, FloorPlane, Skeleton, Track
+
+NS: float = 1e9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackerState:
+    """What the tracker carries from frame to frame. t_ns, cells and centre_m are None before the first person."""
+
+    t_ns: int | None
+    camera: Camera | None
+    floor: FloorPlane | None
+    cells: npt.NDArray[np.bool_] | None
+    centre_m: npt.NDArray[np.float64] | None
+    filter: FilterState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Single:
+    """The answer for one candidate in one frame: joints (20, 3), confidence (20,), parts, score 0..1."""
+
+    joints_m: npt.NDArray[np.float64]
+    confidence: npt.NDArray[np.float64]
+    parts: BodyParts
+    score: float
+
+
+class BodyTracker:
+    """Depth frames to skeletons. Pure: all memory is in TrackerState, all time in the frames.
+
+    Parameters: model (load_model), config (every threshold).
+    """
+
+    def __init__(self, model: BodyModel, config: BodyConfig) -> None:
+        self.model = model
+        self.config = config
+        self._weight_of = vote_weights(config.proposals)
+
+    def initial_state(self) -> TrackerState:
+        """The state before the first frame."""
+        return TrackerState(None, None, None, None, None, empty_state())
+
+    def step(self, frame: DepthFrame, state: TrackerState) -> tuple[Track, TrackerState]:
+        """Track one frame. Equal frames and states give equal results, bit for bit."""
+        state, dt_s = self._continue(frame, state)
+        reset = dt_s is None
+        scene = look(frame, state.floor, self.config.floor, self.config.segmentation)
+        state = replace(state, t_ns=frame.t_ns, camera=frame.camera, floor=scene.floor)
+        smooth = self.config.filter.enabled
+        for label in rank(scene, state.cells if smooth else None, self.config.segmentation):
+            found = candidate(frame, scene, label, self.config.segmentation)
+            if found is None:
+                continue
+            moved = state.centre_m is not None and (
+                np.linalg.norm(found.centre_m - state.centre_m) > self.config.scene_cut_m
+            )
+            fresh = moved or state.centre_m is None or not smooth
+            single = self.estimate(frame, found, None if fresh else state.filter.joints_m)
+            if single.score < self.config.skeleton.min_person_score:
+                continue
+            if fresh:
+                state = replace(state, filter=empty_state())
+            skeleton, filter_state = self._smooth(frame.t_ns, single, dt_s, state.filter)
+            track = Track(frame.t_ns, skeleton, single.parts, scene.floor, found.mask, found.box, reset or bool(moved))
+            cells = grid_mask(found, scene.step)
+            return track, replace(state, cells=cells, centre_m=found.centre_m, filter=filter_state)
+        lost = replace(state, cells=None, centre_m=None, filter=empty_state())
+        return Track(frame.t_ns, None, None, scene.floor, None, None, reset), lost
+
+    def estimate(self, frame: DepthFrame, found: Candidate, previous_m: npt.NDArray[np.float64] | None) -> Single:
+        """Joints of one candidate from this frame alone, helped by the last joints where given."""
+        model, camera = self.model, frame.camera
+        image = pad_image(frame.depth_mm, found.mask, found.box, camera, model.max_offset_m)
+        stride = stride_for(found.area_px, self.config.forest.max_pixels)
+        parts, leaves = infer(model, image, stride, None if camera.mirrored else camera.depth.width)
+        proposals = propose(
+            model, parts.points_m, leaves, stride, camera.depth.fx, self._weight_of, self.config.proposals
+        )
+        joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
+        return Single(joints, confidence, parts, person_score(confidence))
+
+    def warm_up(self, camera: Camera) -> None:
+        """Compile every kernel by tracking two frames of a standing shape, so that the first real frame is quick."""
+        k = camera.depth
+        v, u = np.mgrid[: k.height, : k.width]
+        depth = np.zeros((k.height, k.width), np.uint16)
+        depth[(abs(u - k.cx) < 0.12 * k.fx) & (abs(v - k.cy) < 0.4 * k.fy)] = 2000
+        state = self.initial_state()
+        for t_ns in (0, 33_000_000):
+            frame = DepthFrame(t_ns, depth, camera)
+            _, state = self.step(frame, state)
+            scene = look(frame, None, self.config.floor, self.config.segmentation)
+            for label in rank(scene, None, self.config.segmentation):
+                found = candidate(frame, scene, label, self.config.segmentation)
+                if found is not None:
+                    self.estimate(frame, found, np.zeros((20, 3)))
+
+    def _continue(self, frame: DepthFrame, state: TrackerState) -> tuple[TrackerState, float | None]:
+        """The state to go on from and the seconds since; None at a new beginning (gap, time back, other camera)."""
+        if state.t_ns is None:
+            return self.initial_state(), None
+        gap_s = (frame.t_ns - state.t_ns) / NS
+        if not 0 < gap_s <= self.config.max_gap_s or frame.camera != state.camera:
+            return self.initial_state(), None
+        return state, gap_s
+
+    def _smooth(
+        self, t_ns: int, single: Single, dt_s: float | None, state: FilterState
+    ) -> tuple[Skeleton, FilterState]:
+        """The skeleton after the temporal filter, or as it is where the filter is off."""
+        if not self.config.filter.enabled:
+            return Skeleton(t_ns, single.joints_m, single.confidence), state
+        # at a new beginning every joint is unknown and the interval has no effect
+        interval_s = self.config.max_gap_s if dt_s is None else dt_s
+        joints, confidence, state = filter_step(
+            single.joints_m, single.confidence, interval_s, state, self.config.filter
+        )
+        return Skeleton(t_ns, joints, confidence), state
