@@ -1,0 +1,76 @@
+"""The thread that reads a source: recordings at their own pace, live sensors as fast as they come."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from server.engine.mailbox import Arrived, Mailbox
+from server.engine.playback import Playback, Turn
+from teleop.errors import TeleopError
+from teleop.sources.base import Source
+
+
+class Reader(threading.Thread):
+    """Owns the source from now on, and closes it."""
+
+    def __init__(self, source: Source, playback: Playback, mailbox: Mailbox) -> None:
+        super().__init__(name="source-reader", daemon=True)
+        self._source = source
+        self._playback = playback
+        self._mailbox = mailbox
+        self._stopping = threading.Event()
+        self.fault: str | None = None
+        """Why the source gives no more frames, in one line."""
+
+    def stop(self, timeout_s: float = 3.0) -> None:
+        """End the thread. A live source that blocks is closed under it after ``timeout_s``."""
+        self._stopping.set()
+        self._playback.stop()
+        self.join(timeout_s)
+        if self.is_alive():
+            self._source.close()
+
+    def run(self) -> None:
+        """Read until stopped, or until a live source ends."""
+        try:
+            if self._source.info.live:
+                self._live()
+            else:
+                self._recorded()
+        except (TeleopError, OSError) as error:
+            if not self._stopping.is_set():
+                self.fault = str(error)
+                self._mailbox.wake()
+        finally:
+            self._source.close()
+
+    def _live(self) -> None:
+        first_ns: int | None = None
+        for frame in self._source.frames():
+            if self._stopping.is_set():
+                return
+            first_ns = frame.t_ns if first_ns is None else first_ns
+            self._mailbox.put(Arrived(frame, time.monotonic(), (frame.t_ns - first_ns) * 1e-9))
+        if not self._stopping.is_set():
+            self.fault = "the source gives no more frames; check its cable, then open it again"
+
+    def _recorded(self) -> None:
+        first_ns: int | None = None
+        turn = Turn.SEEK
+        while turn is Turn.SEEK:
+            start_s = self._playback.start_at()
+            restarted = start_s == 0.0 and first_ns is not None
+            turn = Turn.DELIVER
+            for frame in self._source.frames(start_s):
+                first_ns = frame.t_ns if first_ns is None else first_ns
+                position_s = (frame.t_ns - first_ns) * 1e-9
+                turn = self._playback.turn(position_s)
+                if turn is not Turn.DELIVER:
+                    break
+                self._mailbox.put(Arrived(frame, time.monotonic(), position_s, restarted))
+                restarted = False
+            else:
+                if first_ns is None:
+                    raise TeleopError(f"{self._source.info.uri} holds no depth frames; choose another recording")
+                turn = self._playback.end()

@@ -1,0 +1,1 @@
+"""What goes to the clients: one outbox per client, one hub for all."""
