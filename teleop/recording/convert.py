@@ -1,0 +1,124 @@
+"""From any source to a recording or an RGB-D folder, frame by frame; the output appears only when it is complete."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from teleop.errors import RecordingError
+from teleop.frames import Camera, DepthFrame
+from teleop.recording.rgbd_writer import RgbdFolderWriter
+from teleop.recording.writer import McapWriter
+from teleop.sources.base import Source
+
+_FOLDER_CONTENT = ("depth", "rgb", "depth.txt", "rgb.txt", "camera.json")
+
+
+class FrameSink(Protocol):
+    """Where frames go."""
+
+    def write_frame(self, frame: DepthFrame) -> None:
+        """Take one frame."""
+        ...
+
+    def close(self) -> None:
+        """Finish."""
+        ...
+
+
+def convert(
+    source: Source,
+    output: Path,
+    *,
+    force: bool = False,
+    color: bool = True,
+    from_s: float = 0.0,
+    seconds: float | None = None,
+    on_frame: Callable[[DepthFrame], None] | None = None,
+) -> int:
+    """Write the source's frames to ``output``: ``.mcap`` is a recording, any other name an RGB-D folder.
+
+    color: False leaves colour out. from_s, seconds: the part to take. force: replace an output that exists.
+    on_frame is called after each frame. Returns the number of frames. Raises TeleopError; then no output is left.
+    """
+    if source.info.live and seconds is None:
+        raise RecordingError(f"{source.info.uri} is live and has no end; say how many seconds to take")
+    refuse_overwrite(output, source, force)
+    partial = output.with_name(output.name + ".partial")
+    _remove(partial)
+    count = 0
+    try:
+        count = _copy(source, open_sink(partial, output, source, color), color, from_s, seconds, on_frame)
+        if count == 0:
+            raise RecordingError(f"{source.info.uri} has no frames from {from_s} s on; nothing was written")
+        if force:
+            _remove(output)
+        elif output.is_dir():
+            output.rmdir()
+        partial.replace(output)
+    except OSError as error:
+        raise RecordingError(f"cannot write {output}: {error.strerror or error}") from None
+    finally:
+        _remove(partial)
+    return count
+
+
+def open_sink(path: Path, named: Path, source: Source, color: bool) -> FrameSink:
+    """A sink at ``path`` of the kind that ``named`` asks for."""
+    camera: Camera = source.info.camera
+    if named.suffix.lower() == ".mcap":
+        return McapWriter(path, camera, source_uri=source.info.uri, color=color)
+    return RgbdFolderWriter(path, camera)
+
+
+def refuse_overwrite(output: Path, source: Source, force: bool) -> None:
+    """Raises RecordingError when the output exists and may not be replaced, or is the source itself."""
+    if not output.parent.is_dir():
+        raise RecordingError(f"no folder {output.parent} to write {output.name} into; create it first")
+    if not output.exists() or (output.is_dir() and not any(output.iterdir())):
+        return
+    if Path(source.info.uri).exists() and output.resolve() == Path(source.info.uri).resolve():
+        raise RecordingError(f"{output} is the source itself; choose another name")
+    if not force:
+        raise RecordingError(f"{output} exists already; add --force to replace it")
+    if output.suffix.lower() == ".mcap":
+        if output.is_dir():
+            raise RecordingError(f"{output} is a folder; choose another name")
+        return
+    foreign = [p.name for p in output.iterdir() if p.name not in _FOLDER_CONTENT] if output.is_dir() else [output.name]
+    if foreign:
+        raise RecordingError(f"{output} holds more than an RGB-D folder ({foreign[0]}); it is not replaced")
+
+
+def _copy(
+    source: Source,
+    sink: FrameSink,
+    color: bool,
+    from_s: float,
+    seconds: float | None,
+    on_frame: Callable[[DepthFrame], None] | None,
+) -> int:
+    count = 0
+    first_ns: int | None = None
+    try:
+        for frame in source.frames(from_s):
+            first_ns = frame.t_ns if first_ns is None else first_ns
+            if seconds is not None and frame.t_ns - first_ns > seconds * 1e9:
+                break
+            sink.write_frame(frame if color else frame.without_color())
+            count += 1
+            if on_frame is not None:
+                on_frame(frame)
+    finally:
+        sink.close()
+    return count
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or a folder that convert itself wrote."""
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
