@@ -126,6 +126,25 @@ class ToolConfig(RobotSection):
     )
 
 
+class GreenhouseConfig(RobotSection):
+    """Two crop rows along x with an aisle between them; the robot starts in the aisle at the origin."""
+
+    row_start_m: float = Field(-1.1, ge=-20.0, le=0.0, description="where the rows begin [m]")
+    row_end_m: float = Field(2.9, ge=0.5, le=40.0, description="where the rows end [m]")
+    row_offset_m: float = Field(0.86, ge=0.7, le=2.0, description="from the aisle's middle to a row's [m]")
+    gutter_height_m: float = Field(0.50, ge=0.2, le=1.0, description="bottom of the hanging gutters [m]")
+    gutter_width_m: float = Field(0.20, ge=0.1, le=0.5, description="width of a gutter [m]")
+    plant_spacing_m: float = Field(0.48, ge=0.25, le=1.5, description="between plants in a row [m]; common: 0.4 to 0.5")
+    plant_height_m: float = Field(1.45, ge=0.5, le=3.0, description="from the gutter to the training wire [m]")
+    leaves_per_plant: int = Field(9, ge=0, le=40, description="leaves of one plant")
+    fruits_per_plant: int = Field(2, ge=0, le=8, description="cucumbers, or trusses of tomatoes, of one plant")
+    fruit_offset_m: float = Field(
+        0.60, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"
+    )
+    fruit_low_m: float = Field(1.00, ge=0.4, le=2.0, description="lowest middle of a fruit over the floor [m]")
+    fruit_high_m: float = Field(1.45, ge=0.5, le=2.4, description="highest middle of a fruit over the floor [m]")
+
+
 class RobotConfig(RobotSection):
     """Everything about the robot that can be changed without changing code."""
 
@@ -133,5 +152,6 @@ class RobotConfig(RobotSection):
     arm: ArmConfig = Field(default_factory=ArmConfig)
     body: UpperBodyConfig = Field(default_factory=UpperBodyConfig)
     tool: ToolConfig = Field(default_factory=ToolConfig)
+    greenhouse: GreenhouseConfig = Field(default_factory=GreenhouseConfig)
     position_gain: float = Field(0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick")
     disc_still_rad: float = Field(0.01, ge=1e-4, le=0.2, description="the disc counts as turning above this [rad]")

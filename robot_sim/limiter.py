@@ -1,4 +1,4 @@
-"""The robot's own limiter: from what is wanted to set-points that joints and tracks can follow. Pure; guards every tick.
+"""The robot's own limiter: from what is wanted to set-points that joints and tracks can follow; pure.
 
 Two halves: ``resolve`` reads a command once (range, NaN, locks) into goals, ``advance`` moves the set-points one
 tick towards them with bounded speed and acceleration; ``limit`` is both. A joint's goal of None means stand still:
