@@ -21,7 +21,7 @@ class Dressed:
 
 @dataclass(frozen=True, slots=True)
 class Wardrobe:
-    """What a person wears; thicknesses in metres over the skin, lengths along the limb (1 elbow or knee, 2 wrist or ankle)."""
+    """What a person wears; thicknesses in metres, lengths along the limb (1 elbow or knee, 2 wrist or ankle)."""
 
     top_m: float
     sleeve_m: float

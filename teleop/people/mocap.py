@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -16,32 +17,30 @@ from teleop.data import data_root
 from teleop.people.pose import ArmPose, LegPose, Pose
 from teleop.people.rig import Floats
 
-_CMU: Final = {
-    "hips": (8, 2),
-    "knees": (9, 3),
-    "ankles": (10, 4),
-    "toes": (11, 5),
-    "neck": 16,
-    "head": 18,
-    "lumbar": 13,
-}
-_CMU |= {"shoulders": (30, 21), "elbows": (31, 22), "wrists": (32, 23)}
-_SDK: Final = {
-    "hips": (16, 12),
-    "knees": (17, 13),
-    "ankles": (18, 14),
-    "toes": (19, 15),
-    "neck": 2,
-    "head": 3,
-    "lumbar": 1,
-}
-_SDK |= {"shoulders": (8, 4), "elbows": (9, 5), "wrists": (10, 6)}
-SPLITS: Final = ("train", "validation", "test")
+
+@dataclass(frozen=True, slots=True)
+class _Index:
+    """Where the joints stand in a file; pairs are right, left."""
+
+    hips: tuple[int, int]
+    knees: tuple[int, int]
+    ankles: tuple[int, int]
+    toes: tuple[int, int]
+    shoulders: tuple[int, int]
+    elbows: tuple[int, int]
+    wrists: tuple[int, int]
+    neck: int
+    head: int
+
+
+_CMU: Final = _Index((8, 2), (9, 3), (10, 4), (11, 5), (30, 21), (31, 22), (32, 23), 16, 18)
+_SDK: Final = _Index((16, 12), (17, 13), (18, 14), (19, 15), (8, 4), (9, 5), (10, 6), 2, 3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseLibrary:
-    """N poses: limbs (N, 2, 5, 3) unit directions (upper arm, forearm, thigh, shin, toes; right, left), trunk (N, 3, 3, 3)."""
+    """N poses: limbs (N, 2, 5, 3) unit directions, right then left (upper arm, forearm, thigh, shin, toes);
+    trunk (N, 3, 3, 3) rotations of pelvis, chest and head."""
 
     limbs: Floats
     trunk: Floats
@@ -69,38 +68,38 @@ def _frames(right: Floats, up: Floats) -> Floats:
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
-def _library(p: Floats, index: dict[str, tuple[int, int] | int]) -> PoseLibrary:
+def _library(p: Floats, index: _Index) -> PoseLibrary:
     """Joints (N, J, 3) with x to the person's right, y up (right-handed) to limb directions facing -z."""
-    right = p[:, index["hips"][0]] - p[:, index["hips"][1]] + p[:, index["shoulders"][0]] - p[:, index["shoulders"][1]]  # type: ignore[index]
+    right = p[:, index.hips[0]] - p[:, index.hips[1]] + p[:, index.shoulders[0]] - p[:, index.shoulders[1]]
     angle = np.arctan2(right[:, 2], right[:, 0])
     c, s = np.cos(angle), np.sin(angle)
     turn = np.zeros((len(p), 3, 3))
     turn[:, 0, 0], turn[:, 0, 2], turn[:, 1, 1], turn[:, 2, 0], turn[:, 2, 2] = c, s, 1.0, -s, c
     p = np.einsum("nij,nkj->nki", turn, p)
 
-    def pair(name: str) -> Floats:
-        return p[:, list(index[name])]  # type: ignore[arg-type]
+    def pair(ij: tuple[int, int]) -> Floats:
+        return p[:, ij, :]
 
-    def one(name: str) -> Floats:
-        return p[:, index[name]]
-
-    hips, shoulders = pair("hips"), pair("shoulders")
-    toes = pair("toes") - pair("ankles")
+    hips, shoulders, elbows = pair(index.hips), pair(index.shoulders), pair(index.elbows)
+    knees, ankles = pair(index.knees), pair(index.ankles)
+    toes = pair(index.toes) - ankles
     toes[:, :, 1] = 0.0
     limbs = np.stack(
         [
-            _unit(pair("elbows") - shoulders),
-            _unit(pair("wrists") - pair("elbows")),
-            _unit(pair("knees") - hips),
-            _unit(pair("ankles") - pair("knees")),
+            _unit(elbows - shoulders),
+            _unit(pair(index.wrists) - elbows),
+            _unit(knees - hips),
+            _unit(ankles - knees),
             _unit(toes),
         ],
         axis=2,
     )
-    spine = one("neck") - hips.mean(axis=1)
+    spine = p[:, index.neck] - hips.mean(axis=1)
     chest = _frames(shoulders[:, 0] - shoulders[:, 1], spine)
     pelvis = _frames(hips[:, 0] - hips[:, 1], 0.5 * _unit(spine) + np.array([0.0, 0.5, 0.0]))
-    head = _frames(shoulders[:, 0] - shoulders[:, 1], 0.5 * _unit(one("head") - one("neck")) + 0.5 * _unit(spine))
+    head = _frames(
+        shoulders[:, 0] - shoulders[:, 1], 0.5 * _unit(p[:, index.head] - p[:, index.neck]) + 0.5 * _unit(spine)
+    )
     upright = (_unit(spine)[:, 1] > 0.75) & np.isfinite(limbs).all(axis=(1, 2, 3))
     return PoseLibrary(limbs[upright], np.stack([pelvis, chest, head], axis=1)[upright])
 
@@ -111,7 +110,7 @@ def _split_of(k: int) -> str:
 
 @lru_cache(maxsize=3)
 def library(split: str) -> PoseLibrary | None:
-    """Recorded poses of one split (whole clips and people apart), about every sixth frame; None without the data sets."""
+    """Recorded poses of one split (whole clips apart), every sixth frame; None without the data sets."""
     root, found = data_root(), []
     cmu = root and root / "cmu_mocap" / "cmu_actions_xyz_mm_60hz.npz"
     if cmu and cmu.is_file():
@@ -124,7 +123,7 @@ def library(split: str) -> PoseLibrary | None:
     if sdk and sdk.is_file():
         with np.load(sdk) as data:
             starts = np.concatenate([[0], np.cumsum(data["lengths"])])
-            for k, (a, b) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
+            for k, (a, b) in enumerate(pairwise(starts)):
                 if _split_of(k // 6) == split:
                     rows = np.arange(a, b, 6)
                     found.append(_library(data["joints"][rows[data["valid"][rows]]].astype(np.float64), _SDK))

@@ -15,16 +15,18 @@ def mirrored(v: Floats) -> Floats:
     return v * np.array([-1.0, 1.0, 1.0])
 
 
-def _hand(rng: np.random.Generator) -> dict[str, float]:
+def _arm(rng: np.random.Generator, upper: Floats, fore: Floats, pronation: float, spread: float) -> ArmPose:
+    """An arm with a random turn of the forearm and an open, relaxed or closed hand."""
     curl = float(rng.choice([rng.uniform(0, 0.12), rng.uniform(0.15, 0.45), rng.uniform(0.85, 1.0)]))
-    return {"curl": curl, "spread_rad": float(rng.uniform(0, 0.16))}
+    turned = float(np.clip(rng.normal(pronation, spread), -1.5, 1.6))
+    return ArmPose(upper, fore, pronation_rad=turned, curl=curl, spread_rad=float(rng.uniform(0, 0.16)))
 
 
 def hanging_arm(rng: np.random.Generator, sign: float) -> ArmPose:
     """An arm hanging down, slightly bent."""
     u = unit(np.array([sign * rng.uniform(0.02, 0.35), -1.0, rng.normal(0, 0.12)]))
     f = unit(u + np.array([sign * rng.uniform(-0.18, 0.02), 0.0, -rng.uniform(0.0, 0.35)]))
-    return ArmPose(u, f, pronation_rad=float(rng.normal(0.3, 0.4)), **_hand(rng))
+    return _arm(rng, u, f, 0.3, 0.4)
 
 
 def random_arm(rng: np.random.Generator, sign: float) -> ArmPose:
@@ -32,7 +34,7 @@ def random_arm(rng: np.random.Generator, sign: float) -> ArmPose:
     while True:
         u = unit(rng.normal(0, 1, 3))
         out, back = sign * u[0], u[2]
-        if back < 0.45 and out > -0.55 - 0.4 * min(back, 0.0) * -1 and not (out < -0.25 and back > -0.3):
+        if back < 0.45 and out > -0.6 and not (out < -0.25 and back > -0.3):
             break
     bend = float(rng.uniform(0, 2.6) * rng.uniform(0.0, 1.0) ** 0.4)
     for _ in range(40):
@@ -41,11 +43,11 @@ def random_arm(rng: np.random.Generator, sign: float) -> ArmPose:
         # The elbow folds towards the front, the middle or upwards, never outwards to the back.
         if side[2] < 0.35 and sign * side[0] < 0.75 and f[2] < 0.6:
             break
-    return ArmPose(u, f, pronation_rad=float(rng.normal(0.4, 0.7)), **_hand(rng))
+    return _arm(rng, u, f, 0.4, 0.7)
 
 
 def plane_arm(rng: np.random.Generator, sign: float) -> ArmPose:
-    """An arm raised in the frontal or in the sagittal plane by 0..100 degrees (the source's experiment), elbow 80..180."""
+    """An arm raised in the frontal or sagittal plane by 0..100 degrees (the source's experiment)."""
     raised, bend = np.radians(rng.uniform(0, 100)), np.radians(rng.uniform(0, 100)) * rng.integers(0, 2)
     turn = rng.choice([0.0, np.pi / 2, rng.uniform(0, np.pi / 2)])
     away = np.array([sign * np.cos(turn), 0.0, -np.sin(turn)])
@@ -53,14 +55,14 @@ def plane_arm(rng: np.random.Generator, sign: float) -> ArmPose:
     bends = unit(rng.choice([-1.0, 1.0], p=[0.2, 0.8]) * (np.cos(raised) * away + np.sin(raised) * _UP) - [0, 0, 0.6])
     side = unit(bends - (bends @ u) * u)
     f = np.cos(bend) * u + np.sin(bend) * side
-    return ArmPose(u, f, pronation_rad=float(rng.normal(0.4, 0.6)), **_hand(rng))
+    return _arm(rng, u, f, 0.4, 0.6)
 
 
 def reaching_arm(rng: np.random.Generator, sign: float) -> ArmPose:
     """An arm towards the sensor, straight or half bent."""
     u = unit(np.array([sign * rng.normal(0.1, 0.25), rng.normal(-0.15, 0.35), -1.0]))
     f = unit(u + np.array([sign * rng.normal(-0.1, 0.25), rng.normal(0.15, 0.3), 0.0]))
-    return ArmPose(u, f, pronation_rad=float(rng.normal(0.5, 0.7)), **_hand(rng))
+    return _arm(rng, u, f, 0.5, 0.7)
 
 
 def engaging_arm(rng: np.random.Generator, sign: float) -> ArmPose:
@@ -75,7 +77,7 @@ def crossed_arm(rng: np.random.Generator, sign: float) -> ArmPose:
     """A forearm across the chest (both together: the body stop)."""
     u = unit(np.array([sign * rng.uniform(0.0, 0.4), -1.0, -rng.uniform(0.25, 0.8)]))
     f = unit(np.array([-sign * rng.uniform(0.7, 1.3), rng.uniform(0.2, 1.1), -rng.uniform(0.1, 0.5)]))
-    return ArmPose(u, f, pronation_rad=float(rng.normal(0.5, 0.4)), **_hand(rng))
+    return _arm(rng, u, f, 0.5, 0.4)
 
 
 def standing_legs(rng: np.random.Generator) -> tuple[LegPose, LegPose]:
@@ -122,9 +124,6 @@ def jittered(pose: Pose, rng: np.random.Generator, spread: float) -> Pose:
     def shake(v: Floats) -> Floats:
         return unit(v + rng.normal(0, spread, 3))
 
-    arms = [
-        ArmPose(shake(a.upper), shake(a.fore), a.palm, float(rng.normal(0.4, 0.6)), a.hand, **_hand(rng))
-        for a in pose.arms
-    ]
+    arms = [_arm(rng, shake(a.upper), shake(a.fore), 0.4, 0.6) for a in pose.arms]
     legs = [LegPose(shake(leg.thigh), shake(leg.shin), leg.toes) for leg in pose.legs]
     return Pose((arms[0], arms[1]), (legs[0], legs[1]), pose.pelvis, pose.chest, pose.head)

@@ -21,7 +21,7 @@ class ArmPose:
     """One arm. upper, fore: directions (3,) shoulder to elbow, elbow to wrist.
 
     palm: the way the palm faces, or None: then pronation_rad (0 thumb towards the bend, +pi/2 palm down).
-    hand: direction of the hand, None = along the forearm. curl: 0 flat open hand .. 1 fist. spread_rad: between fingers.
+    hand: direction of the hand, None = along the forearm. curl: 0 flat .. 1 fist. spread_rad: between fingers.
     """
 
     upper: Floats

@@ -79,7 +79,7 @@ def forward(rig: Rig, R: Floats) -> Posed:
 
 
 def joints_m(rig: Rig, posed: Posed) -> Floats:
-    """The 20 joints (20, 3) in metres as specification section 1 defines them: anatomical centres, then Kinect v1's trunk."""
+    """The 20 joints (20, 3) in metres as specification section 1 defines them."""
     out = np.empty((N_JOINTS, 3))
 
     def carried(bone: str, point: Floats) -> Floats:
@@ -116,7 +116,7 @@ CROWN_TO_SKULL_M: Final = 0.09
 
 
 def neck_base_m(head_m: Floats) -> Floats:
-    """The base of the neck (3,) of a rest skeleton: 1.25 L from the hips' mid-point through the shoulders' mid-point."""
+    """The base of the neck (3,) at rest: 1.25 L from the hips' mid-point through the shoulders' mid-point."""
     hips = 0.5 * (head_m[BONE["thigh_right"]] + head_m[BONE["thigh_left"]])
     shoulders = 0.5 * (head_m[BONE["upper_arm_right"]] + head_m[BONE["upper_arm_left"]])
     return hips + NECK_BASE_L * (shoulders - hips)

@@ -14,27 +14,28 @@ import numpy.typing as npt
 
 from teleop.body.parts import NO_PART
 from teleop.frames import Camera, DepthFrame, kinect_v1, pixels
+from teleop.joints import JOINT_INDEX
 from teleop.people.body import Body, Bytes, Floats32, skin
 from teleop.people.clothes import dress, random_wardrobe
+from teleop.people.clutter import add_floor, add_fragment, bite, cut_low
 from teleop.people.makehuman import makehuman_body
 from teleop.people.mocap import library
 from teleop.people.moves import jittered, random_pose
-from teleop.people.pose import Pose, pose_rig, rotation, yaw
+from teleop.people.pose import Pose, pose_rig, yaw
 from teleop.people.render import draw, empty_raster
 from teleop.people.rig import Floats, Posed, joints_m
 from teleop.people.sensor import sense
 from teleop.people.shape import random_shape
+from teleop.people.view import View, sensor_view, visible_joints
 
 Split = Literal["train", "validation", "test"]
 _PEOPLE: Final = {"train": 400, "validation": 60, "test": 80}
 _SEED: Final = {"train": 11, "validation": 22, "test": 33}
-SEEN_RADIUS_M: Final = 0.08
-SEEN_BEHIND_M: Final = 0.25
 
 
 @dataclass(frozen=True, slots=True)
 class SampleSpec:
-    """What to draw: the split, the image, whether a room stands round the person (slower), and whether it is mirrored."""
+    """What to draw: the split, the image size, a room round the person or not (slower), mirrored image or not."""
 
     split: Split = "train"
     width: int = 640
@@ -48,8 +49,7 @@ class RenderedFrame:
     """One frame with its truth.
 
     frame: sensor noise applied. part: (H, W) uint8, NO_PART off the person. joints_m: (20, 3) camera axes.
-    visible: (20,) bool: some pixel of the joint's part lies within 8 cm of it across the line of sight and at most
-    25 cm in front of it, so the joint's neighbourhood is in the image and not hidden.
+    visible: (20,) bool, see ``teleop.people.view.visible_joints``.
     """
 
     frame: DepthFrame
@@ -62,30 +62,6 @@ class RenderedFrame:
 def person(split: str, number: int) -> Body:
     """Person ``number`` of a split (MakeHuman)."""
     return makehuman_body(random_shape(np.random.default_rng([_SEED[split], number])))
-
-
-def camera_view(height_m: float, tilt_rad: float, roll_rad: float = 0.0) -> tuple[Floats, Floats]:
-    """Rotation and translation from the levelled room (floor y = 0 under the camera) to camera axes; tilt > 0 looks up."""
-    R = rotation(np.array([0.0, 0.0, 1.0]), roll_rad) @ rotation(np.array([1.0, 0.0, 0.0]), tilt_rad)
-    return R, R @ np.array([0.0, -height_m, 0.0])
-
-
-def visible_joints(joints: Floats, depth_m: Floats32, part: Bytes, camera: Camera) -> npt.NDArray[np.bool_]:
-    """Which joints' neighbourhoods are seen, (20,) bool; see RenderedFrame.visible."""
-    out = np.zeros(len(joints), np.bool_)
-    uv = pixels(joints, camera)
-    h, w = part.shape
-    for j, (u, v) in enumerate(uv):
-        z = joints[j, 2]
-        if z < 0.3:
-            continue
-        r = SEEN_RADIUS_M * camera.depth.fx / z
-        u0, u1, v0, v1 = int(max(0, u - r)), int(min(w, u + r + 1)), int(max(0, v - r)), int(min(h, v + r + 1))
-        if u0 >= u1 or v0 >= v1:
-            continue
-        seen = depth_m[v0:v1, u0:u1]
-        out[j] = bool(((part[v0:v1, u0:u1] == j) & (seen > z - SEEN_BEHIND_M) & (seen < z + SEEN_RADIUS_M)).any())
-    return out
 
 
 def _sample_pose(rng: np.random.Generator, split: str) -> Pose:
@@ -120,17 +96,35 @@ def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
     posed = pose_rig(body.rig, _sample_pose(rng, spec.split))
     local = skin(body, posed, worn.vertices_m)
     turn, shift = _place(posed, local, rng)
-    height = rng.uniform(0.6, 1.4) if rng.uniform() < 0.85 else rng.uniform(1.4, 2.0)
+    height = float(rng.uniform(0.6, 1.4) if rng.uniform() < 0.85 else rng.uniform(1.4, 2.0))
     tilt = float(np.clip(np.arctan((0.95 - height) / shift[2]) + rng.normal(0, 0.08), -0.27, 0.27))
-    R, t = camera_view(height, tilt, float(rng.normal(0, 0.02)))
-    R, t = R @ turn, R @ shift + t
+    view = sensor_view(height, tilt, float(rng.normal(0, 0.02)))
+    R, t = view.R @ turn, view.R @ shift + view.t_m
     camera = Camera(kinect_v1(spec.width, spec.height), spec.mirrored)
     raster = empty_raster(camera)
     draw(raster, camera, (local @ R.T + t).astype(np.float32), body.faces)
     depth = raster.depth_m
     part = np.where(raster.face >= 0, body.face_part[np.maximum(raster.face, 0)], np.uint8(NO_PART))
     joints = joints_m(body.rig, posed.moved(R, t))
+    _cut_out(depth, part, joints, camera, view, rng)
     visible = visible_joints(joints, depth, part, camera)
-    depth_mm = sense(depth, camera, rng)
-    part[depth_mm == 0] = NO_PART
-    return RenderedFrame(DepthFrame(0, depth_mm, camera), part, joints, visible)
+    reading = sense(depth, camera, rng)
+    seen = np.where(reading.depth_mm > 0, part.ravel()[reading.source], np.uint8(NO_PART))
+    return RenderedFrame(DepthFrame(0, reading.depth_mm, camera), seen, joints, visible)
+
+
+def _cut_out(
+    depth: Floats32, part: Bytes, joints: Floats, camera: Camera, view: View, rng: np.random.Generator
+) -> None:
+    """The faults of a segmentation: in some frames bits of the room stay, or bits of the person go."""
+    if rng.uniform() < 0.35:
+        feet = pixels(joints[[JOINT_INDEX["foot_right"], JOINT_INDEX["foot_left"]]], camera)
+        add_floor(depth, part, feet, camera, view.R[:, 1], view.height_m, rng)
+    if rng.uniform() < 0.15:
+        add_fragment(depth, part, rng)
+    for _ in range(int(rng.integers(1, 4)) if rng.uniform() < 0.2 else 0):
+        bite(depth, part, rng)
+    if rng.uniform() < 0.15:
+        low, high = sorted(joints[[JOINT_INDEX["foot_left"], JOINT_INDEX["knee_left"]], 1])
+        cut = np.array([0.0, rng.uniform(low, high), joints[JOINT_INDEX["spine"], 2]])
+        cut_low(depth, part, max(0, int(pixels(cut, camera)[1])))

@@ -14,12 +14,14 @@ import numba
 import numpy as np
 
 from teleop.frames import Camera, DepthImage
-from teleop.people.body import Floats32
+from teleop.people.body import Floats32, Ints32
 
 
 @dataclass(frozen=True, slots=True)
 class SensorModel:
-    """lateral_px at 640 columns; axial: factor on sigma_z; base_m: projector to camera; grazing_rad: drop-outs begin."""
+    """lateral_px: at 640 columns. axial: factor on sigma_z. base_m: projector to camera.
+
+    grazing_rad: where drop-outs begin."""
 
     lateral_px: float = 0.8
     axial: float = 1.0
@@ -28,6 +30,14 @@ class SensorModel:
     near_m: float = 0.5
     far_m: float = 8.0
     quantised: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reading:
+    """depth_mm: (H, W) uint16, 0 = nothing. source: (H, W) int32, flat index of the pixel whose surface was read."""
+
+    depth_mm: DepthImage
+    source: Ints32
 
 
 @numba.njit(cache=True, nogil=True)
@@ -40,8 +50,9 @@ def _sense(
     focal_px: float,
     model: tuple[float, float, float, float, float, bool],
     mirrored: bool,
-    u_first: int,
+    first: tuple[int, int, int],
     out: DepthImage,
+    source: Ints32,
 ) -> None:
     scale_z, base_m, grazing, near_m, far_m, quantised = model
     height, width = depth.shape
@@ -53,7 +64,7 @@ def _sense(
             z_true = depth[v, u]
             shaded = False
             if z_true < 50.0:
-                at = (u_first + u) * (-1.0 if mirrored else 1.0) - focal_px * base_m / z_true
+                at = (first[1] + u) * (-1.0 if mirrored else 1.0) - focal_px * base_m / z_true
                 shaded = at > least + 0.5
                 least = min(least, at)
             su = min(max(u + int(np.rint(du[v, u])), 0), width - 1)
@@ -75,16 +86,17 @@ def _sense(
             z += axial[v, u] * scale_z * (0.0012 + 0.0019 * (z - 0.4) ** 2)
             if quantised:
                 z = 351.3 / np.rint(351.3 / z)
+            source[v, u] = (first[0] + sv) * first[2] + first[1] + su
             out[v, u] = np.uint16(min(max(z * 1000.0 + 0.5, 0.0), 65535.0))
 
 
-def sense(depth_m: Floats32, camera: Camera, rng: np.random.Generator, model: SensorModel | None = None) -> DepthImage:
-    """What the sensor reads, (H, W) uint16 mm, 0 = nothing, of true depth (H, W) float32 m, inf where nothing is."""
+def sense(depth_m: Floats32, camera: Camera, rng: np.random.Generator, model: SensorModel | None = None) -> Reading:
+    """What the sensor reads of true depth (H, W) float32 metres, inf where nothing is."""
     model = model or SensorModel()
-    out = np.zeros(depth_m.shape, np.uint16)
+    out, source = np.zeros(depth_m.shape, np.uint16), np.zeros(depth_m.shape, np.int32)
     rows = np.flatnonzero(np.isfinite(depth_m).any(axis=1))
     if not len(rows):
-        return out
+        return Reading(out, source)
     columns = np.flatnonzero(np.isfinite(depth_m).any(axis=0))
     v0, v1 = max(0, rows[0] - 3), min(depth_m.shape[0], rows[-1] + 4)
     u0, u1 = max(0, columns[0] - 3), min(depth_m.shape[1], columns[-1] + 4)
@@ -100,7 +112,8 @@ def sense(depth_m: Floats32, camera: Camera, rng: np.random.Generator, model: Se
     axial = rng.standard_normal(size, np.float32)
     chance = rng.random(size, np.float32)
     settings = (model.axial, model.base_m, model.grazing_rad, model.near_m, model.far_m, model.quantised)
-    window = depth_m[v0:v1, u0:u1]
-    f = camera.depth.fx
-    _sense(window, jitter[0], jitter[1], axial, chance, f, settings, camera.mirrored, int(u0), out[v0:v1, u0:u1])
-    return out
+    window = (slice(v0, v1), slice(u0, u1))
+    first, focal = (int(v0), int(u0), depth_m.shape[1]), camera.depth.fx
+    noise = (jitter[0], jitter[1], axial, chance)
+    _sense(depth_m[window], *noise, focal, settings, camera.mirrored, first, out[window], source[window])
+    return Reading(out, source)

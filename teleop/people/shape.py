@@ -9,7 +9,10 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """female: 0 man .. 1 woman. age: 0 (25 years) .. 1 (90 years). muscle: 0..1. descent: african, asian, caucasian, sum 1."""
+    """female: 0 man .. 1 woman. age: 0 (25 years) .. 1 (90 years). muscle: 0..1.
+
+    descent: african, asian, caucasian; sum 1.
+    """
 
     height_m: float = 1.76
     mass_kg: float = 74.0
