@@ -1,7 +1,7 @@
 """Closed-form inverse of the cherry-tomato arm, whose first two joints turn about one and the same axis.
 
 Modified D-H rows (alpha, a, d): (0, 0, 0), (0, 0, d2), (90, 0, 0), (0, a3, 0), (90, a4, d5), tool (90, a6, 0);
-they give the tomato source's eq. (2) with its two misprints put right: py has s12 and -c12 s5, and theta34 = arccos(-oz).
+they give the tomato source's eq. (2) with its misprints put right: py has s12 and -c12 s5, theta34 = arccos(-oz).
 theta1 and theta2 enter only as their sum theta12: four independent joints and a line of solutions for each pose.
 """
 
@@ -120,7 +120,7 @@ class TwinBaseArm(ClosedFormArm):
         fore = math.hypot(a4, d5)
         return (
             f"the last joint is {reach:.3f} m from the shoulder (the arm covers {abs(a3 - fore):.3f} to "
-            f"{a3 + fore:.3f} m); inside that, a pose must also lie on the arm's four-parameter family: o in the vertical plane of the arm"
+            f"{a3 + fore:.3f} m); inside that, the pose must be of the arm's four-parameter family"
         )
 
     def theta1_range(self, t12_rad: float) -> tuple[float, float]:
