@@ -1,9 +1,5 @@
 /** The wire between server and console: twin of server/wire.py. Units and frames are in the names. */
 
-export type Vec2 = [number, number];
-export type Vec3 = [number, number, number];
-export type Vec4 = [number, number, number, number];
-
 export interface CameraInfo {
   width: number;
   height: number;
@@ -14,33 +10,44 @@ export interface CameraInfo {
   mirrored: boolean;
 }
 
-export interface Zones {
-  depth_cuts_m: number[];
+export interface ZoneInfo {
+  depth_cuts_m: [number, number, number, number];
   center_half_width_m: number;
   side_limit_m: number;
   hysteresis_m: number;
 }
 
-export interface Primitive {
+export interface SceneryItem {
   name: string;
   kind: "box" | "cylinder" | "sphere";
-  /** box: x, y, z edges; cylinder: radius, length along z; sphere: radius. */
   size_m: number[];
-  xyz_m: Vec3;
-  rpy_rad: Vec3;
-  rgba: Vec4;
+  xyz_m: [number, number, number];
+  rpy_rad: [number, number, number];
+  rgba: [number, number, number, number];
+}
+
+export interface ArmJoints {
+  c1: string;
+  c2: string;
+  elbow: string;
 }
 
 export interface Hello {
   type: "hello";
-  version: string;
+  version: number;
+  software: string;
   joint_names: string[];
-  bones: Vec2[];
+  bones: [number, number][];
   camera: CameraInfo;
-  zones: Zones;
+  zones: ZoneInfo;
   shoulder_step_deg: number;
+  T1_threshold_deg: number;
+  T2_threshold_deg: number;
   urdf_url: string;
-  scenery: Primitive[];
+  arm_joints: { [key: string]: ArmJoints };
+  lift_range_m: [number, number];
+  disc_range_rad: [number, number];
+  scenery: SceneryItem[];
 }
 
 export interface SourceState {
@@ -48,17 +55,20 @@ export interface SourceState {
   kind: string;
   live: boolean;
   paused: boolean;
-  position_s: number | null;
+  ended: boolean;
+  position_s: number;
   duration_s: number | null;
   speed: number;
   loop: boolean;
   fps: number;
+  recording: boolean;
+  fault: string | null;
 }
 
 export interface SkeletonState {
-  joints: Record<string, Vec3 | null>;
-  pixels: Record<string, Vec2 | null>;
-  confidence: Record<string, number>;
+  joints: { [key: string]: [number, number, number] | null };
+  pixels: { [key: string]: [number, number] | null };
+  confidence: { [key: string]: number };
 }
 
 export interface FloorState {
@@ -66,25 +76,7 @@ export interface FloorState {
   tilt_deg: number;
 }
 
-export type Zone = "none" | "out" | "forward" | "work" | "back" | "left" | "right";
-
-export type Mode =
-  | "no_person"
-  | "seen"
-  | "engaged"
-  | "picking"
-  | "spraying"
-  | "forward"
-  | "back"
-  | "left"
-  | "right"
-  | "held"
-  | "stopped";
-
-export type Hand = "open" | "fist" | "unknown";
-export type Liquid = "water" | "nutrient" | "pesticide";
-
-export interface Angles {
+export interface AnglesState {
   theta1_right: number | null;
   theta2_right: number | null;
   theta3_right: number | null;
@@ -96,46 +88,53 @@ export interface Angles {
 }
 
 export interface HandsState {
-  right: Hand;
-  left: Hand;
+  right: "open" | "fist" | "unknown";
+  left: "open" | "fist" | "unknown";
   right_confidence: number;
   left_confidence: number;
 }
 
-export interface ArmTarget {
+export interface ArmTargetState {
   c1_deg: number;
   c2_deg: number;
   elbow_deg: number;
 }
 
-export interface Command {
+export interface CommandState {
   drive_m_s: number;
   turn_rad_s: number;
-  right_arm: ArmTarget | null;
-  left_arm: ArmTarget | null;
-  rear_arm: ArmTarget | null;
+  right_arm: ArmTargetState | null;
+  left_arm: ArmTargetState | null;
+  rear_arm: ArmTargetState | null;
   lift_m: number | null;
   disc_rad: number | null;
   gripper_open: boolean | null;
   cutter_closed: boolean | null;
   spray_on: boolean;
-  liquid: Liquid | null;
+  liquid: "water" | "nutrient" | "pesticide" | null;
   head_camera_sweep: boolean;
   reasons: string[];
 }
 
-export interface RobotState {
-  base: { x: number; y: number; yaw: number };
-  joints: Record<string, number>;
-  targets: Record<string, number>;
+export interface BasePose {
+  x: number;
+  y: number;
+  yaw: number;
+}
+
+export interface RobotWire {
+  base: BasePose;
+  joints: { [key: string]: number };
+  targets: { [key: string]: number };
   gripper_open: boolean;
   cutter_closed: boolean;
   spray_on: boolean;
-  liquid: Liquid;
+  liquid: "water" | "nutrient" | "pesticide";
   estop: boolean;
   drive_m_s: number;
   turn_rad_s: number;
   sim_time_s: number;
+  reasons: string[];
 }
 
 export interface StageLatency {
@@ -150,18 +149,29 @@ export interface State {
   t: number;
   source: SourceState | null;
   skeleton: SkeletonState | null;
-  spine_xz: Vec2 | null;
+  spine_xz: [number, number] | null;
   floor: FloorState | null;
-  zone: Zone;
-  mode: Mode;
+  zone: "none" | "out" | "forward" | "work" | "back" | "left" | "right";
+  mode:
+    | "no_person"
+    | "seen"
+    | "engaged"
+    | "picking"
+    | "spraying"
+    | "forward"
+    | "back"
+    | "left"
+    | "right"
+    | "held"
+    | "stopped";
   engaged: boolean;
   engage_progress: number;
-  angles: Angles;
+  angles: AnglesState;
   hands: HandsState;
-  command: Command;
-  robot: RobotState;
+  command: CommandState;
+  robot: RobotWire;
   reasons: string[];
-  latency_ms: Record<string, StageLatency>;
+  latency_ms: { [key: string]: StageLatency };
   clients: number;
 }
 
@@ -178,15 +188,16 @@ export interface ErrorMessage {
   detail: string;
 }
 
+export interface Painted {
+  type: "painted";
+  seq: number;
+}
+
+export interface View {
+  type: "view";
+  image: "depth" | "color" | "none";
+  head: boolean;
+}
+
 export type ServerMessage = Hello | State | EventMessage | ErrorMessage;
-
-export type ImageChoice = "depth" | "color" | "none";
-
-export type ClientMessage =
-  | { type: "painted"; seq: number }
-  | { type: "view"; image: ImageChoice; head: boolean };
-
-/** Kinds of binary messages. */
-export const DEPTH_IMAGE = 1;
-export const COLOR_IMAGE = 2;
-export const HEAD_IMAGE = 3;
+export type ClientMessage = Painted | View;

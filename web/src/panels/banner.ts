@@ -1,0 +1,123 @@
+/** The line that must be legible at 3 m: mode, reason, engage ring, emergency stop. */
+
+import { act, emergencyStop } from "../act";
+import { api } from "../api";
+import type { Link } from "../connection";
+import { Attribute, Text, h, s } from "../dom";
+import { type Key, reasonText, t, titled, translated } from "../i18n";
+import { type IconName, icon, setIcon } from "../icons";
+import type { Panel } from "../panel";
+import type { State } from "../wire";
+
+const ICONS: Record<State["mode"], IconName> = {
+  no_person: "nobody",
+  seen: "eye",
+  engaged: "engaged",
+  picking: "picking",
+  spraying: "spraying",
+  forward: "forward",
+  back: "back",
+  left: "left",
+  right: "right",
+  held: "held",
+  stopped: "stopped",
+};
+const RING_LENGTH = 100;
+/** Codes that say what happens all the time and would hide what the operator should know. */
+const QUIET = /^(mode|limit)\./;
+
+/** The reason to show large: a stop before a hold before a refusal; null when there is none. */
+export function mainReason(reasons: readonly string[]): string | null {
+  for (const kind of ["stop.", "hold.", "refused."]) {
+    const found = reasons.find((code) => code.startsWith(kind));
+    if (found !== undefined) return found;
+  }
+  return reasons.find((code) => !QUIET.test(code)) ?? null;
+}
+
+export class Banner implements Panel {
+  readonly element: HTMLElement;
+  private readonly glyph = icon("eye");
+  private readonly ring = s("circle", { class: "ring-value", cx: 20, cy: 20, r: 17.5, pathLength: RING_LENGTH });
+  private readonly ringOffset = new Attribute(this.ring, "stroke-dashoffset");
+  private readonly modeText = new Text(h("strong", { class: "mode" }));
+  private readonly reason = new Text(h("span", { class: "reason" }));
+  private readonly zone = new Text(h("b"));
+  private readonly drive = new Text(h("b"));
+  private readonly link = h("span", { class: "link", "data-link": "connecting" });
+  private readonly engage = titled(h("button", { class: "button engage", type: "button" }), "button.engage.title");
+  private readonly reset = titled(h("button", { class: "button reset", type: "button" }), "button.reset.title");
+  private readonly look: Attribute;
+  private readonly stopLook: Attribute;
+  private readonly engageText = new Text(this.engage);
+  private engaged = false;
+
+  constructor(tools: HTMLElement) {
+    const stop = titled(h("button", { class: "estop", type: "button" }), "button.estop.title");
+    stop.append(icon("stopped"), translated(h("span"), "button.estop"));
+    // Pointer down, not click: a stop does not wait for the finger to leave the button.
+    stop.addEventListener("pointerdown", () => void emergencyStop());
+    stop.addEventListener("click", (event) => {
+      if (event.detail === 0) void emergencyStop(); // pressed by a key or a screen reader
+    });
+    this.reset.append(translated(h("span"), "button.reset"));
+    this.reset.addEventListener("click", () => void act(api.estopReset()));
+    this.engage.addEventListener("click", () => this.toggleEngage());
+    const ring = s("svg", { class: "ring", viewBox: "0 0 40 40", "aria-hidden": "true" });
+    ring.append(s("circle", { class: "ring-track", cx: 20, cy: 20, r: 17.5 }), this.ring);
+    this.ring.setAttribute("stroke-dasharray", String(RING_LENGTH));
+    this.element = h(
+      "header",
+      { class: "banner", "data-mode": "no_person" },
+      h("div", { class: "sign" }, ring, this.glyph),
+      h("div", { class: "words", role: "status", "aria-live": "polite" }, this.modeText.element, this.reason.element),
+      h(
+        "div",
+        { class: "facts" },
+        h("span", {}, translated(h("small"), "zone.label"), this.zone.element),
+        h("span", {}, h("small", {}, "v, ω"), this.drive.element),
+      ),
+      h("div", { class: "side" }, this.link, tools),
+      h("div", { class: "actions" }, this.engage, this.reset),
+      stop,
+    );
+    this.look = new Attribute(this.element, "data-mode");
+    this.stopLook = new Attribute(this.element, "data-estop");
+    this.showLink("connecting");
+    this.engageText.set(t("button.engage"));
+  }
+
+  toggleEngage(): void {
+    void act(this.engaged ? api.disengage() : api.engage());
+  }
+
+  showLink(link: Link): void {
+    this.link.setAttribute("data-link", link);
+    translated(this.link, `link.${link}`);
+  }
+
+  state(state: State): void {
+    const { estop } = state.robot;
+    const mode: State["mode"] = estop ? "stopped" : state.mode;
+    const word = estop ? "estop" : state.mode;
+    this.look.set(mode);
+    this.stopLook.set(String(estop));
+    this.modeText.set(t(`mode.${word}` as Key));
+    const reason = estop ? null : mainReason(state.reasons);
+    this.reason.set(reason === null ? t(`hint.${word}` as Key) : reasonText(reason));
+    setIcon(this.glyph, ICONS[mode]);
+    const progress = state.engage_progress > 0 && state.engage_progress < 1 ? state.engage_progress : state.engaged ? 1 : 0;
+    this.ringOffset.set((RING_LENGTH * (1 - progress)).toFixed(0));
+    this.zone.set(t(`zone.${state.zone}`));
+    const { drive_m_s, turn_rad_s } = state.robot;
+    // A tiny negative speed must not flicker between 0.00 and -0.00.
+    this.drive.set(`${tidy(drive_m_s)} m/s  ${tidy((turn_rad_s * 180) / Math.PI, 0)}°/s`);
+    this.engaged = state.engaged;
+    this.engageText.set(t(state.engaged ? "button.disengage" : "button.engage"));
+  }
+}
+
+function tidy(value: number, digits = 2): string {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text;
+}

@@ -1,0 +1,188 @@
+/** The camera's picture with the tracked skeleton drawn over it. */
+
+import { Text, fitCanvas, h } from "../dom";
+import { t, titled, translated } from "../i18n";
+import { icon } from "../icons";
+import { type Panel, frame } from "../panel";
+import { prefs, savePrefs } from "../prefs";
+import { COLOR_IMAGE, DEPTH_IMAGE, HEAD_IMAGE, type ImageChoice, SIDES, type Side } from "../words";
+import type { Hello, State } from "../wire";
+
+/** The operator's right and left keep one colour each on the whole screen (Okabe and Ito, safe for the colour-blind). */
+const SIDE_COLORS: Record<Side | "center", string> = { right: "#f0a83c", left: "#5cb8f0", center: "#dfe9e2" };
+const CHOICES: readonly ImageChoice[] = ["depth", "color", "none"];
+
+function sideOf(joint: string): Side | "center" {
+  return joint.endsWith("_right") ? "right" : joint.endsWith("_left") ? "left" : "center";
+}
+
+export class CameraPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly picture = h("canvas", { class: "picture" });
+  private readonly overlay = h("canvas", { class: "overlay" });
+  private readonly head = h("canvas", { class: "head-picture", width: 320, height: 240, hidden: true });
+  private readonly buttons = new Map<ImageChoice, HTMLButtonElement>();
+  private readonly headButton = h("button", { class: "chip", type: "button" });
+  private readonly mirrorButton = titled(h("button", { class: "chip", type: "button" }, icon("mirror")), "button.mirror");
+  private readonly empty = new Text(h("p", { class: "camera-empty" }));
+  private hello_: Hello | null = null;
+  private last: State | null = null;
+  private decoding = new Set<number>();
+
+  constructor(private readonly viewChanged: (image: ImageChoice, head: boolean) => void) {
+    const stack = h("div", { class: "camera-stack" }, this.picture, this.overlay, this.empty.element as HTMLElement, this.head);
+    const { element, tools } = frame("camera", "panel.camera", stack);
+    this.element = element;
+    for (const choice of CHOICES) {
+      const button = translated(h("button", { class: "chip", type: "button" }), `image.${choice}`);
+      button.addEventListener("click", () => this.choose(choice));
+      this.buttons.set(choice, button);
+      tools.append(button);
+    }
+    translated(this.headButton, "image.head").addEventListener("click", () => {
+      prefs.head = !prefs.head;
+      this.choose(prefs.image);
+    });
+    this.mirrorButton.addEventListener("click", () => this.toggleMirror());
+    tools.append(this.headButton, this.mirrorButton);
+    this.showChoice();
+  }
+
+  hello(hello: Hello): void {
+    this.hello_ = hello;
+    this.element.style.setProperty("--aspect", `${hello.camera.width} / ${hello.camera.height}`);
+    this.picture.getContext("2d")?.clearRect(0, 0, this.picture.width, this.picture.height);
+    this.choose(prefs.image);
+  }
+
+  choose(image: ImageChoice): void {
+    prefs.image = image;
+    savePrefs();
+    this.showChoice();
+    this.viewChanged(prefs.image, prefs.head);
+  }
+
+  toggleImage(): void {
+    this.choose(prefs.image === "depth" ? "color" : "depth");
+  }
+
+  toggleMirror(): void {
+    prefs.mirror = !prefs.mirror;
+    savePrefs();
+    this.showChoice();
+    if (this.last) this.state(this.last);
+  }
+
+  private showChoice(): void {
+    for (const [choice, button] of this.buttons) button.setAttribute("aria-pressed", String(choice === prefs.image));
+    this.headButton.setAttribute("aria-pressed", String(prefs.head));
+    this.mirrorButton.setAttribute("aria-pressed", String(prefs.mirror));
+    this.head.hidden = !prefs.head;
+    if (prefs.image === "none") this.picture.getContext("2d")?.clearRect(0, 0, this.picture.width, this.picture.height);
+  }
+
+  /** True when the picture has to be turned over to show what the operator wants to see. */
+  private get flipped(): boolean {
+    return this.hello_ !== null && this.hello_.camera.mirrored !== prefs.mirror;
+  }
+
+  /** Shows a picture; one that arrives while the last is still being decoded is left out. */
+  async image(kind: number, jpeg: Blob): Promise<void> {
+    if (this.decoding.has(kind)) return;
+    const wanted = kind === DEPTH_IMAGE ? "depth" : kind === COLOR_IMAGE ? "color" : null;
+    if (kind !== HEAD_IMAGE && wanted !== prefs.image) return;
+    this.decoding.add(kind);
+    try {
+      const bitmap = await createImageBitmap(jpeg);
+      const canvas = kind === HEAD_IMAGE ? this.head : this.picture;
+      if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+        canvas.width = bitmap.width;
+        canvas.height = bitmap.height;
+      }
+      canvas.classList.toggle("flipped", kind !== HEAD_IMAGE && this.flipped);
+      canvas.getContext("2d")?.drawImage(bitmap, 0, 0);
+      bitmap.close();
+    } finally {
+      this.decoding.delete(kind);
+    }
+  }
+
+  state(state: State): void {
+    this.last = state;
+    const hello = this.hello_;
+    const g = this.overlay.getContext("2d");
+    if (!hello || !g) return;
+    if (!fitCanvas(this.overlay)) g.clearRect(0, 0, this.overlay.width, this.overlay.height);
+    this.empty.set(state.skeleton ? "" : t("camera.nobody"));
+    if (!state.skeleton) return;
+    this.drawSkeleton(g, hello, state.skeleton);
+    for (const side of SIDES) this.drawHand(g, hello, state, side);
+  }
+
+  private u(u_px: number, hello: Hello): number {
+    const k = this.overlay.width / hello.camera.width;
+    return this.flipped ? this.overlay.width - (u_px + 0.5) * k : (u_px + 0.5) * k;
+  }
+
+  private v(v_px: number, hello: Hello): number {
+    return ((v_px + 0.5) * this.overlay.height) / hello.camera.height;
+  }
+
+  private drawSkeleton(g: CanvasRenderingContext2D, hello: Hello, skeleton: NonNullable<State["skeleton"]>): void {
+    const unit = this.overlay.width / 100;
+    g.lineCap = "round";
+    for (const [i, j] of hello.bones) {
+      const a = hello.joint_names[i] ?? "";
+      const b = hello.joint_names[j] ?? "";
+      const p = skeleton.pixels[a];
+      const q = skeleton.pixels[b];
+      if (!p || !q) continue;
+      g.beginPath();
+      g.moveTo(this.u(p[0], hello), this.v(p[1], hello));
+      g.lineTo(this.u(q[0], hello), this.v(q[1], hello));
+      g.globalAlpha = opacity(Math.min(skeleton.confidence[a] ?? 0, skeleton.confidence[b] ?? 0));
+      g.lineWidth = 1.5 * unit;
+      g.strokeStyle = "#07120ccc"; // a dark edge keeps the line visible on any picture
+      g.stroke();
+      g.lineWidth = 0.85 * unit;
+      g.strokeStyle = SIDE_COLORS[sideOf(b)];
+      g.stroke();
+    }
+    for (const name of hello.joint_names) {
+      const p = skeleton.pixels[name];
+      if (!p) continue;
+      g.globalAlpha = opacity(skeleton.confidence[name] ?? 0);
+      g.beginPath();
+      g.arc(this.u(p[0], hello), this.v(p[1], hello), 0.95 * unit, 0, 2 * Math.PI);
+      g.fillStyle = "#07120c";
+      g.fill();
+      g.lineWidth = 0.5 * unit;
+      g.strokeStyle = SIDE_COLORS[sideOf(name)];
+      g.stroke();
+    }
+    g.globalAlpha = 1;
+  }
+
+  /** An open hand is a ring, a fist a full disc, an unseen one a dashed ring: told apart without colour. */
+  private drawHand(g: CanvasRenderingContext2D, hello: Hello, state: State, side: Side): void {
+    const p = state.skeleton?.pixels[`hand_${side}`];
+    if (!p) return;
+    const unit = this.overlay.width / 100;
+    const hand = state.hands[side];
+    g.beginPath();
+    g.arc(this.u(p[0], hello), this.v(p[1], hello), 3.4 * unit, 0, 2 * Math.PI);
+    g.lineWidth = 0.9 * unit;
+    g.strokeStyle = SIDE_COLORS[side];
+    g.fillStyle = SIDE_COLORS[side];
+    g.globalAlpha = 0.55 + 0.45 * state.hands[`${side}_confidence`];
+    g.setLineDash(hand === "unknown" ? [1.6 * unit, 1.6 * unit] : []);
+    if (hand === "fist") g.fill();
+    else g.stroke();
+    g.setLineDash([]);
+    g.globalAlpha = 1;
+  }
+}
+
+function opacity(confidence: number): number {
+  return 0.2 + 0.8 * Math.min(1, Math.max(0, confidence));
+}

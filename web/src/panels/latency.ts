@@ -1,0 +1,94 @@
+/** Where the time goes between a frame and the painted overlay: median and 95 % of each stage. */
+
+import { Attribute, Text, h } from "../dom";
+import { lookup, t, translated } from "../i18n";
+import { type Panel, frame } from "../panel";
+import type { StageLatency, State } from "../wire";
+
+const EVERY_MS = 250;
+const FULL_SCALE_MS = 80;
+const TOTAL = "total";
+
+class StageRow {
+  readonly element: HTMLElement;
+  private readonly name = new Text(h("span"));
+  private readonly median = new Text(h("output"));
+  private readonly p95 = new Text(h("output"));
+  private readonly bar = h("i");
+  private readonly whisker = h("b");
+  private readonly barStyle = new Attribute(this.bar, "style");
+  private readonly whiskerStyle = new Attribute(this.whisker, "style");
+
+  constructor(private readonly stage: string) {
+    const track = h("div", { class: "stage-bar" }, this.bar, this.whisker);
+    this.element = h("div", { class: "stage" }, this.name.element, track, this.median.element, this.p95.element);
+  }
+
+  set(latency: StageLatency): void {
+    this.name.set(lookup(`stage.${this.stage}`) ?? this.stage);
+    this.median.set(ms(latency.p50));
+    this.p95.set(ms(latency.p95));
+    this.barStyle.set(`width:${share(latency.p50)}%`);
+    this.whiskerStyle.set(`width:${share(latency.p95)}%`);
+  }
+}
+
+export class LatencyPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly rows = new Map<string, StageRow>();
+  private readonly list = h("div", { class: "stages" });
+  private readonly median = new Text(h("b", { class: "total-value" }));
+  private readonly p95 = new Text(h("b", { class: "total-value" }));
+  private readonly fps = new Text(h("span"));
+  private readonly clients = new Text(h("span"));
+  private drawn_ms = -Infinity;
+
+  constructor() {
+    const total = h(
+      "div",
+      { class: "total" },
+      translated(h("span"), "stage.total"),
+      h("div", {}, this.median.element, translated(h("small"), "latency.median"), this.p95.element, translated(h("small"), "latency.p95")),
+    );
+    const { element, tools } = frame("latency", "panel.latency", total, this.list);
+    tools.append(this.fps.element, this.clients.element);
+    this.element = element;
+  }
+
+  state(state: State, now_ms: number): void {
+    if (now_ms - this.drawn_ms < EVERY_MS) return;
+    this.drawn_ms = now_ms;
+    this.fps.set(t("latency.fps", { fps: (state.source?.fps ?? 0).toFixed(0) }));
+    this.clients.set(t("latency.clients", { count: state.clients }));
+    const total = state.latency_ms[TOTAL];
+    this.median.set(total ? ms(total.p50) : "–");
+    this.p95.set(total ? ms(total.p95) : "–");
+    for (const stage in state.latency_ms) {
+      const latency = state.latency_ms[stage];
+      if (stage === TOTAL || !latency) continue;
+      this.row(stage).set(latency);
+    }
+  }
+
+  private row(stage: string): StageRow {
+    let row = this.rows.get(stage);
+    if (!row) {
+      row = new StageRow(stage);
+      this.rows.set(stage, row);
+      this.list.append(row.element);
+    }
+    return row;
+  }
+
+  restyle(): void {
+    this.drawn_ms = -Infinity;
+  }
+}
+
+function ms(value: number): string {
+  return value < 10 ? value.toFixed(1) : value.toFixed(0);
+}
+
+function share(value: number): string {
+  return Math.min(100, (100 * value) / FULL_SCALE_MS).toFixed(1);
+}

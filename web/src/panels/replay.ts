@@ -1,0 +1,116 @@
+/** What is playing: name, play and pause, timeline, speed, recordings. */
+
+import { act } from "../act";
+import { api } from "../api";
+import { Attribute, Text, h } from "../dom";
+import { t, titled, translated } from "../i18n";
+import { icon, setIcon } from "../icons";
+import { type Panel, frame } from "../panel";
+import type { SourceState, State } from "../wire";
+import type { RecordingsDialog } from "./recordings";
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4, 8] as const;
+const STEP_S = 5;
+/** After a seek the slider waits this long for the server to arrive there. */
+const SETTLE_MS = 600;
+
+export class ReplayPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly glyph = icon("pause");
+  private readonly play = titled(h("button", { class: "button round", type: "button" }, this.glyph), "replay.play");
+  private readonly slider = titled(h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 }), "replay.position");
+  private readonly speed = titled(h("select", {}), "replay.speed");
+  private readonly name = new Text(h("b", { class: "source-name" }));
+  private readonly marks = new Text(h("span", { class: "source-marks" }));
+  private readonly time = new Text(h("output"));
+  private readonly live: Attribute;
+  private source: SourceState | null = null;
+  private quiet_until_ms = 0;
+  private dragging = false;
+
+  constructor(recordings: RecordingsDialog) {
+    for (const speed of SPEEDS) this.speed.append(h("option", { value: speed }, `${speed} ×`));
+    this.play.addEventListener("click", () => this.toggle());
+    this.slider.addEventListener("input", () => {
+      this.dragging = true;
+      this.showTime(Number(this.slider.value));
+    });
+    this.slider.addEventListener("change", () => {
+      this.dragging = false;
+      this.seek(Number(this.slider.value));
+    });
+    this.speed.addEventListener("change", () => void act(api.speed(Number(this.speed.value))));
+    const open = translated(h("button", { class: "button", type: "button" }), "replay.recordings");
+    open.prepend(icon("files"));
+    open.addEventListener("click", () => void recordings.open());
+    const { element, tools } = frame(
+      "replay",
+      "panel.replay",
+      h("div", { class: "transport" }, this.play, this.slider, this.time.element, this.speed, open),
+    );
+    tools.append(this.name.element, this.marks.element);
+    this.element = element;
+    this.live = new Attribute(element, "data-live");
+  }
+
+  toggle(): void {
+    if (this.source?.live !== false) return;
+    void act(this.source.paused || this.source.ended ? api.play() : api.pause());
+  }
+
+  /** Moves by some steps of five seconds. */
+  step(steps: number): void {
+    if (this.source?.live === false) this.seek(this.source.position_s + steps * STEP_S);
+  }
+
+  /** One speed up or down. */
+  changeSpeed(steps: number): void {
+    if (this.source?.live !== false) return;
+    const at = SPEEDS.findIndex((speed) => speed >= (this.source?.speed ?? 1));
+    const speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, (at < 0 ? 2 : at) + steps))];
+    if (speed !== undefined) void act(api.speed(speed));
+  }
+
+  private seek(position_s: number): void {
+    const end = this.source?.duration_s ?? 0;
+    this.quiet_until_ms = performance.now() + SETTLE_MS;
+    void act(api.seek(Math.min(Math.max(0, position_s), Math.max(0, end))));
+  }
+
+  private showTime(position_s: number): void {
+    const duration = this.source?.duration_s;
+    this.time.set(duration == null ? clock(position_s) : `${clock(position_s)} / ${clock(duration)}`);
+  }
+
+  state(state: State, now_ms: number): void {
+    const source = state.source;
+    this.source = source;
+    this.live.set(String(source?.live ?? true));
+    if (!source) {
+      this.name.set(t("replay.none"));
+      this.marks.set("");
+      return;
+    }
+    this.name.set(source.uri.split("/").at(-1) ?? source.uri);
+    const marks: string[] = [];
+    if (source.live) marks.push(t("replay.live"));
+    if (source.loop) marks.push(t("replay.loop"));
+    if (source.ended) marks.push(t("replay.ended"));
+    if (source.recording) marks.push(`● ${t("replay.recording")}`);
+    if (source.fault) marks.push(source.fault);
+    this.marks.set(marks.join(" · "));
+    setIcon(this.glyph, source.paused || source.ended ? "play" : "pause");
+    if (this.dragging || now_ms < this.quiet_until_ms) return;
+    const duration = String(source.duration_s ?? 0);
+    if (this.slider.max !== duration) this.slider.max = duration;
+    this.slider.value = String(source.position_s);
+    this.showTime(source.position_s);
+    if (document.activeElement !== this.speed) this.speed.value = String(source.speed);
+  }
+}
+
+/** Minutes and seconds. */
+export function clock(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+}

@@ -1,0 +1,77 @@
+/** The robot in its greenhouse. The 3-D code is loaded after the rest: the stop button does not wait for it. */
+
+import { Text, h } from "../dom";
+import { t, translated } from "../i18n";
+import { type Panel, frame } from "../panel";
+import type { Hello, State } from "../wire";
+import type { Stage } from "../scene/stage";
+
+export class ScenePanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly box = h("div", { class: "scene-box" });
+  private readonly note = new Text(h("p", { class: "scene-note" }));
+  private readonly cost = new Text(h("span", { class: "scene-cost" }));
+  private readonly followButton = translated(h("button", { class: "chip", type: "button" }), "scene.follow");
+  private readonly homeButton = translated(h("button", { class: "chip", type: "button" }), "scene.home");
+  private stage: Stage | null = null;
+  private loading: Promise<Stage | null> | null = null;
+
+  constructor() {
+    const { element, tools } = frame("scene", "panel.scene", this.box);
+    this.element = element;
+    this.box.append(this.note.element);
+    tools.append(this.cost.element, this.followButton, this.homeButton);
+    this.followButton.addEventListener("click", () => this.toggleFollow());
+    this.homeButton.addEventListener("click", () => this.stage?.home());
+    this.showFollow();
+  }
+
+  hello(hello: Hello): void {
+    this.loading ??= this.start();
+    void this.loading.then((stage) => this.fill(stage, hello));
+  }
+
+  private async start(): Promise<Stage | null> {
+    this.note.set(t("scene.loading"));
+    const { Stage, webglWorks } = await import("../scene/stage");
+    if (!webglWorks()) {
+      this.note.set(t("scene.nowebgl"));
+      return null;
+    }
+    this.stage = new Stage(this.box, (triangles, ms) =>
+      this.cost.set(t("scene.triangles", { count: triangles, ms: ms.toFixed(0) })),
+    );
+    this.showFollow();
+    return this.stage;
+  }
+
+  private async fill(stage: Stage | null, hello: Hello): Promise<void> {
+    if (!stage) return;
+    try {
+      const response = await fetch(hello.urdf_url);
+      if (!response.ok) throw new TypeError(`${response.status} ${response.statusText}`);
+      stage.build(await response.text(), hello);
+      this.note.set("");
+    } catch (error) {
+      if (!(error instanceof TypeError)) throw error;
+      this.note.set(t("scene.failed", { detail: error.message }));
+    }
+  }
+
+  toggleFollow(): void {
+    if (this.stage) this.stage.follow = !this.stage.follow;
+    this.showFollow();
+  }
+
+  private showFollow(): void {
+    this.followButton.setAttribute("aria-pressed", String(this.stage?.follow ?? true));
+  }
+
+  state(state: State): void {
+    this.stage?.state(state);
+  }
+
+  restyle(): void {
+    this.stage?.restyle();
+  }
+}

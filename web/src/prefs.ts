@@ -1,0 +1,43 @@
+/** The operator's choices on this machine: theme, language, sound, picture. */
+
+import type { Language } from "./i18n";
+import type { ImageChoice } from "./words";
+
+export interface Preferences {
+  theme: "dark" | "light";
+  language: Language;
+  sound: boolean;
+  mirror: boolean;
+  image: ImageChoice;
+  head: boolean;
+}
+
+const KEY = "greenhouse-console";
+
+function defaults(): Preferences {
+  return {
+    theme: window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
+    language: navigator.language.startsWith("zh") ? "zh" : "en",
+    sound: false,
+    mirror: true,
+    image: "depth",
+    head: false,
+  };
+}
+
+function read(): Preferences {
+  const text = localStorage.getItem(KEY);
+  if (text === null) return defaults();
+  try {
+    return { ...defaults(), ...(JSON.parse(text) as Partial<Preferences>) };
+  } catch (error) {
+    if (!(error instanceof SyntaxError)) throw error;
+    return defaults(); // damaged storage: start anew
+  }
+}
+
+export const prefs: Preferences = read();
+
+export function savePrefs(): void {
+  localStorage.setItem(KEY, JSON.stringify(prefs));
+}

@@ -1,0 +1,164 @@
+/** Renderer, lights and camera of the 3-D view. World axes as the robot's: x along the row, y left, z up, metres.
+ *
+ * Draws only when something changed, at most 30 times a second, and never asks for a frame before the last one
+ * is finished: on a machine without a GPU the picture slows down and nothing else does.
+ */
+
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  Fog,
+  Group,
+  HemisphereLight,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { cssColor } from "../dom";
+import type { Hello, State } from "../wire";
+import { RobotModel } from "./robot";
+import { buildScenery, disposeScenery } from "./scenery";
+
+const MIN_PERIOD_MS = 33;
+const HOME_EYE_M = new Vector3(2.1, -2.5, 1.75);
+const HOME_TARGET_M = new Vector3(0.1, 0, 0.8);
+
+export function webglWorks(): boolean {
+  return document.createElement("canvas").getContext("webgl2") !== null;
+}
+
+function drawnBySoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  return gl !== null && /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(gl.RENDERER)));
+}
+
+export class Stage {
+  follow = true;
+  private readonly renderer: WebGLRenderer;
+  private readonly gl: WebGL2RenderingContext;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(42, 1, 0.05, 60);
+  private readonly controls: OrbitControls;
+  private readonly base = new Vector3();
+  private readonly step = new Vector3();
+  private scenery: Group | null = null;
+  private robot: RobotModel | null = null;
+  private scheduled = false;
+  private drawn_ms = -Infinity;
+  private fence: WebGLSync | null = null;
+  private fenced_ms = 0;
+  private cost_ms = 0;
+  private shown_ms = 0;
+
+  constructor(
+    private readonly box: HTMLElement,
+    private readonly report: (triangles: number, cost_ms: number) => void,
+  ) {
+    const software = drawnBySoftware();
+    this.renderer = new WebGLRenderer({ antialias: !software, powerPreference: "high-performance" });
+    this.renderer.setPixelRatio(software ? 1 : Math.min(window.devicePixelRatio, 2));
+    this.gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.renderer.domElement.className = "scene-canvas";
+    box.prepend(this.renderer.domElement);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.maxPolarAngle = 0.495 * Math.PI;
+    this.controls.minDistance = 0.6;
+    this.controls.maxDistance = 12;
+    this.controls.addEventListener("change", () => this.invalidate());
+    const sun = new DirectionalLight(0xffffff, 1.9);
+    sun.position.set(3, -4, 8);
+    this.scene.add(sun, new HemisphereLight(0xe8f4ee, 0x3a4a40, 1.5), new AmbientLight(0xffffff, 0.25));
+    new ResizeObserver(() => this.resize()).observe(box);
+    this.restyle();
+    this.home();
+    this.resize();
+  }
+
+  build(urdf: string, hello: Hello): void {
+    if (this.scenery) {
+      this.scene.remove(this.scenery);
+      disposeScenery(this.scenery);
+    }
+    if (this.robot) {
+      this.scene.remove(this.robot.group);
+      this.robot.dispose();
+    }
+    this.scenery = buildScenery(hello.scenery);
+    this.robot = new RobotModel(urdf);
+    this.scene.add(this.scenery, this.robot.group);
+    this.invalidate();
+  }
+
+  state(state: State): void {
+    if (!this.robot?.set(state.robot)) return;
+    const { x, y } = state.robot.base;
+    this.step.set(x, y, 0).sub(this.base);
+    this.base.add(this.step);
+    if (this.follow) {
+      this.camera.position.add(this.step);
+      this.controls.target.add(this.step);
+      this.controls.update();
+    }
+    this.invalidate();
+  }
+
+  home(): void {
+    this.camera.position.copy(HOME_EYE_M).add(this.base);
+    this.controls.target.copy(HOME_TARGET_M).add(this.base);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  restyle(): void {
+    const sky = new Color(cssColor("--sky"));
+    this.scene.background = sky;
+    this.scene.fog = new Fog(sky, 6, 16);
+    this.invalidate();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.box;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  private invalidate(): void {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(this.tick);
+  }
+
+  private readonly tick = (now_ms: number): void => {
+    if (!this.finished(now_ms) || now_ms - this.drawn_ms < MIN_PERIOD_MS - 4) {
+      requestAnimationFrame(this.tick);
+      return;
+    }
+    this.scheduled = false;
+    this.drawn_ms = now_ms;
+    this.renderer.render(this.scene, this.camera);
+    this.fenced_ms = performance.now();
+    this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
+    if (now_ms - this.shown_ms > 500) {
+      this.shown_ms = now_ms;
+      this.report(this.renderer.info.render.triangles, this.cost_ms);
+    }
+  };
+
+  /** Whether the last picture is complete; measures how long it took. */
+  private finished(now_ms: number): boolean {
+    if (!this.fence) return true;
+    if (this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) return false;
+    this.gl.deleteSync(this.fence);
+    this.fence = null;
+    this.cost_ms += 0.2 * (Math.max(0, now_ms - this.fenced_ms) - this.cost_ms);
+    return true;
+  }
+}
