@@ -15,6 +15,7 @@ class Reason(StrEnum):
     LOW_CONFIDENCE = "hold.low_confidence"
     SHORT_PROJECTION = "hold.short_projection"
     ARM_UNKNOWN = "hold.arm_unknown"
+    NOT_FACING = "hold.not_facing"
     ZONE_UNSETTLED = "hold.zone_unsettled"
     TASK_UNSETTLED = "hold.task_unsettled"
     GESTURE = "hold.gesture"

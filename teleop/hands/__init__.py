@@ -1,0 +1,1 @@
+"""Open hand or fist, from colour and depth round the tracked hand."""

@@ -1,0 +1,127 @@
+"""The whole way from a depth frame to a robot command, as one pure step.
+
+``step`` is ``perceive``, ``interpret``, ``decide`` in that order; whoever wants to time the stages calls them one by
+one. No clock, no file, no socket: the same frames and inputs give the same commands, always.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from robot_sim.commands import RobotCommand
+from teleop.body.tracker import BodyTracker, TrackerState
+from teleop.config import TeleopConfig
+from teleop.frames import DepthFrame
+from teleop.inputs import Inputs, RobotRequest
+from teleop.intent import Circumstances, IntentState, interpret
+from teleop.intent_types import Event, Intent
+from teleop.kernel import KernelState, step_kernel
+from teleop.reasons import Reason
+from teleop.safety import StreamState, no_picture, step_stream
+from teleop.skeleton import Track
+
+__all__ = ["Inputs", "Pipeline", "PipelineOutput", "PipelineState", "RobotRequest"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PipelineState:
+    """Everything the pipeline remembers between two frames."""
+
+    tracker: TrackerState
+    stream: StreamState = field(default_factory=StreamState)
+    intent: IntentState = field(default_factory=IntentState)
+    kernel: KernelState = field(default_factory=KernelState)
+    picture: Reason | None = None
+    assume_engaged: bool = False
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the last frame brought something new; only such a frame feeds the watchdog."""
+        return self.stream.refused is None and self.picture is None
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Events of the kernel at the last step (tools, refused requests); intent has its own."""
+        return self.kernel.events
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PipelineOutput:
+    """One frame's results, one field per arrow of the data flow. events: of intent and kernel together."""
+
+    track: Track
+    intent: Intent
+    command: RobotCommand
+    events: tuple[Event, ...] = ()
+    accepted: bool = True
+
+
+class Pipeline:
+    """Perception, intent and safety with one configuration; holds no state of its own."""
+
+    def __init__(self, tracker: BodyTracker, config: TeleopConfig) -> None:
+        self.tracker = tracker
+        self.config = config
+
+    def initial_state(self, assume_engaged: bool = False) -> PipelineState:
+        """Nobody seen, nothing commanded. assume_engaged: whoever is seen is in control (offline tracking)."""
+        return PipelineState(tracker=self.tracker.initial_state(), assume_engaged=assume_engaged)
+
+    def step(
+        self, frame: DepthFrame, state: PipelineState, inputs: Inputs = Inputs()
+    ) -> tuple[PipelineOutput, PipelineState]:
+        """One frame through all stages."""
+        track, state = self.perceive(frame, state, inputs)
+        intent, state = self.interpret(frame, track, state, inputs)
+        command, state = self.decide(intent, state, inputs)
+        return PipelineOutput(track, intent, command, (*intent.events, *state.events), state.accepted), state
+
+    def perceive(
+        self, frame: DepthFrame, state: PipelineState, inputs: Inputs = Inputs()
+    ) -> tuple[Track, PipelineState]:
+        """Judge the frame's stamp and picture, then track. A frame that is not used gives an empty track."""
+        stream = step_stream(state.stream, frame.t_ns, inputs.receive_t_ns, self.config.intent.safety)
+        picture = no_picture(frame) if stream.refused is None else None
+        tracker = self.tracker.initial_state() if stream.restarted else state.tracker
+        if stream.refused is not None or picture is not None:
+            track = Track(frame.t_ns, None, None, None, None, None)
+        else:
+            track, tracker = self.tracker.step(frame, tracker)
+        return track, replace(state, tracker=tracker, stream=stream, picture=picture)
+
+    def interpret(
+        self, frame: DepthFrame, track: Track, state: PipelineState, inputs: Inputs = Inputs()
+    ) -> tuple[Intent, PipelineState]:
+        """What the operator wants: zone, mode, angles, hands."""
+        stream = state.stream
+        reasons = tuple(r for r in (stream.refused, state.picture) if r is not None)
+        if inputs.source_failed:
+            reasons = (*reasons, Reason.SOURCE_FAILED)
+        now = Circumstances(
+            t_ns=frame.t_ns if stream.last_t_ns is None else stream.last_t_ns,
+            dt_s=stream.dt_s,
+            used=stream.refused is None,
+            restarted=stream.restarted,
+            reasons=reasons,
+        )
+        intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent, state.assume_engaged)
+        return intent, replace(state, intent=after)
+
+    def decide(
+        self, intent: Intent, state: PipelineState, inputs: Inputs = Inputs()
+    ) -> tuple[RobotCommand, PipelineState]:
+        """What the robot is told: limited, or held with a reason."""
+        seen = state.intent
+        command, kernel = step_kernel(
+            intent,
+            seen.body if seen.seen_now else None,
+            state.kernel,
+            inputs,
+            state.stream.dt_s,
+            not seen.zone.settled,
+            seen.estop,
+            self.config.intent,
+        )
+        return replace(command, head_camera_sweep=command.head_camera_sweep or seen.task.head_camera_sweep), replace(
+            state, kernel=kernel
+        )
