@@ -58,7 +58,7 @@ class CameraInfo(Message):
     mirrored: bool
 
 
-class Zones(Message):
+class ZoneInfo(Message):
     """The floor map (specification, section 3), in metres."""
 
     depth_cuts_m: Vec4
@@ -67,7 +67,7 @@ class Zones(Message):
     hysteresis_m: float
 
 
-class Primitive(Message):
+class SceneryItem(Message):
     """One primitive of the greenhouse, in the world frame.
 
     size_m: box: edges along x, y, z; cylinder: radius, length along z; sphere: radius.
@@ -93,12 +93,12 @@ class Hello(Message):
     """First message, and again after a change of source or configuration."""
 
     type: Literal["hello"] = "hello"
-    version: str
-    wire: int = WIRE_VERSION
+    version: int = WIRE_VERSION
+    software: str
     joint_names: tuple[str, ...]
     bones: tuple[tuple[int, int], ...]
     camera: CameraInfo
-    zones: Zones
+    zones: ZoneInfo
     shoulder_step_deg: float
     T1_threshold_deg: float
     T2_threshold_deg: float
@@ -106,7 +106,7 @@ class Hello(Message):
     arm_joints: dict[Literal["right", "left", "rear"], ArmJoints]
     lift_range_m: Vec2
     disc_range_rad: Vec2
-    scenery: tuple[Primitive, ...]
+    scenery: tuple[SceneryItem, ...]
 
 
 class SourceState(Message):
@@ -142,8 +142,8 @@ class FloorState(Message):
     tilt_deg: float
 
 
-class Angles(Message):
-    """Angles of the operator's body in degrees, continuous; null where there is no answer."""
+class AnglesState(Message):
+    """AnglesState of the operator's body in degrees, continuous; null where there is no answer."""
 
     theta1_right: float | None = None
     theta2_right: float | None = None
@@ -164,7 +164,7 @@ class HandsState(Message):
     left_confidence: float = 0.0
 
 
-class ArmTarget(Message):
+class ArmTargetState(Message):
     """Set-points of one arm in degrees (robot_sim.commands.ArmTarget)."""
 
     c1_deg: float
@@ -172,14 +172,14 @@ class ArmTarget(Message):
     elbow_deg: float
 
 
-class Command(Message):
+class CommandState(Message):
     """The command that reached the robot; null = hold."""
 
     drive_m_s: float
     turn_rad_s: float
-    right_arm: ArmTarget | None
-    left_arm: ArmTarget | None
-    rear_arm: ArmTarget | None
+    right_arm: ArmTargetState | None
+    left_arm: ArmTargetState | None
+    rear_arm: ArmTargetState | None
     lift_m: float | None
     disc_rad: float | None
     gripper_open: bool | None
@@ -198,7 +198,7 @@ class BasePose(Message):
     yaw: float
 
 
-class RobotState(Message):
+class RobotWire(Message):
     """What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints)."""
 
     base: BasePose
@@ -224,7 +224,7 @@ class StageLatency(Message):
 
 
 class State(Message):
-    """One frame's worth of everything. A newer one replaces an older one in the send queue."""
+    """One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s]."""
 
     type: Literal["state"] = "state"
     seq: int
@@ -237,17 +237,17 @@ class State(Message):
     mode: Mode
     engaged: bool
     engage_progress: float
-    angles: Angles
+    angles: AnglesState
     hands: HandsState
-    command: Command
-    robot: RobotState
+    command: CommandState
+    robot: RobotWire
     reasons: tuple[str, ...]
     latency_ms: dict[str, StageLatency]
     clients: int
 
 
 class EventMessage(Message):
-    """Something that happened once. Never dropped on the way to a client."""
+    """Something that happened once, at Unix time t [s]. Never dropped on the way to a client."""
 
     type: Literal["event"] = "event"
     t: float

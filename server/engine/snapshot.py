@@ -46,10 +46,10 @@ def floor_state(floor: FloorPlane | None) -> wire.FloorState | None:
     return wire.FloorState(camera_height_m=round(float(floor.camera_height_m), 3), tilt_deg=round(tilt_deg, 2))
 
 
-def angles_state(angles: BodyAngles) -> wire.Angles:
+def angles_state(angles: BodyAngles) -> wire.AnglesState:
     """Degrees to a hundredth."""
     right, left = angles.right, angles.left
-    return wire.Angles(
+    return wire.AnglesState(
         theta1_right=finite(right.theta1_deg, 2),
         theta2_right=finite(right.theta2_deg, 2),
         theta3_right=finite(right.theta3_deg, 2),
@@ -71,9 +71,9 @@ def hands_state(hands: Hands) -> wire.HandsState:
     )
 
 
-def command_state(command: RobotCommand) -> wire.Command:
+def command_state(command: RobotCommand) -> wire.CommandState:
     """The command as JSON."""
-    return wire.Command(
+    return wire.CommandState(
         drive_m_s=round(command.drive_m_s, 4),
         turn_rad_s=round(command.turn_rad_s, 4),
         right_arm=_arm(command.right_arm),
@@ -90,9 +90,9 @@ def command_state(command: RobotCommand) -> wire.Command:
     )
 
 
-def robot_state(state: RobotState) -> wire.RobotState:
+def robot_state(state: RobotState) -> wire.RobotWire:
     """Poses to a tenth of a millimetre and of a milliradian."""
-    return wire.RobotState(
+    return wire.RobotWire(
         base=wire.BasePose(x=round(state.base_x_m, 4), y=round(state.base_y_m, 4), yaw=round(state.base_yaw_rad, 4)),
         joints={name: round(float(value), 4) for name, value in state.joint_rad.items()},
         targets={name: round(float(value), 4) for name, value in state.target_rad.items()},
@@ -113,9 +113,9 @@ def merged_reasons(*groups: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(str(code) for group in groups for code in group))
 
 
-def _arm(target: ArmTarget | None) -> wire.ArmTarget | None:
+def _arm(target: ArmTarget | None) -> wire.ArmTargetState | None:
     if target is None:
         return None
-    return wire.ArmTarget(
+    return wire.ArmTargetState(
         c1_deg=round(target.c1_deg, 2), c2_deg=round(target.c2_deg, 2), elbow_deg=round(target.elbow_deg, 2)
     )
