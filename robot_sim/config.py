@@ -33,38 +33,60 @@ class AxisLimits(RobotSection):
 class ChassisConfig(RobotSection):
     """Crawler chassis: x forward, y left; two tracks with one brushless motor each."""
 
-    length_m: float = Field(0.92, ge=0.4, le=2.0, description="length over the tracks [m]; fits a 1.4 m aisle")
-    width_m: float = Field(0.62, ge=0.3, le=1.2, description="width over the tracks [m]")
-    track_width_m: float = Field(0.11, ge=0.05, le=0.3, description="width of one track [m]")
-    wheel_radius_m: float = Field(0.085, ge=0.04, le=0.2, description="radius of the road wheels, track included [m]")
-    deck_height_m: float = Field(0.30, ge=0.15, le=0.6, description="top of the deck over the floor [m]")
-    mass_kg: float = Field(62.0, ge=10.0, le=300.0, description="frame, motors, battery, tanks (full) [kg]")
-    wheel_mass_kg: float = Field(1.6, ge=0.1, le=10.0, description="one road wheel with its part of the track [kg]")
-    track_friction: float = Field(0.9, ge=0.1, le=2.0, description="rubber on concrete, along the track [1]")
-    lateral_friction: float = Field(
-        0.35, ge=0.05, le=1.0, description="share of the friction left across the track when it scrubs [1]"
+    length_m: float = Field(default=0.92, ge=0.4, le=2.0, description="length over the tracks [m]; fits a 1.4 m aisle")
+    width_m: float = Field(default=0.62, ge=0.3, le=1.2, description="width over the tracks [m]")
+    track_width_m: float = Field(default=0.11, ge=0.05, le=0.3, description="width of one track [m]")
+    wheel_radius_m: float = Field(
+        default=0.085, ge=0.04, le=0.2, description="radius of the road wheels, track included [m]"
     )
-    drive_m_s: float = Field(0.5, ge=0.05, le=2.0, description="highest speed [m/s]; walking pace between rows")
-    turn_rad_s: float = Field(0.8, ge=0.05, le=3.0, description="highest turning rate on the spot [rad/s]")
-    drive_m_s2: float = Field(0.8, ge=0.05, le=5.0, description="acceleration of driving [m/s2]")
-    turn_rad_s2: float = Field(1.6, ge=0.05, le=10.0, description="acceleration of turning [rad/s2]")
-    stop_m_s2: float = Field(2.0, ge=0.2, le=10.0, description="braking on emergency stop [m/s2]")
-    stop_rad_s2: float = Field(4.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]")
-    motor_nm: float = Field(40.0, ge=1.0, le=500.0, description="torque of one track's motor at its wheels [Nm]")
-    heading_gain_1_s: float = Field(4.0, ge=0.0, le=20.0, description="gyro: turning rate per heading error [1/s]")
+    deck_height_m: float = Field(default=0.30, ge=0.15, le=0.6, description="top of the deck over the floor [m]")
+    mass_kg: float = Field(default=62.0, ge=10.0, le=300.0, description="frame, motors, battery, tanks (full) [kg]")
+    wheel_mass_kg: float = Field(
+        default=1.6, ge=0.1, le=10.0, description="one road wheel with its part of the track [kg]"
+    )
+    track_friction: float = Field(default=0.9, ge=0.1, le=2.0, description="rubber on concrete, middle road wheels [1]")
+    scrub_friction: float = Field(
+        default=0.05,
+        ge=0.0,
+        le=1.0,
+        description="outer road wheels, which a turn drags sideways [1]; choice: a crowned "
+        "band presses least at its ends",
+    )
+    drive_m_s: float = Field(default=0.5, ge=0.05, le=2.0, description="highest speed [m/s]; walking pace between rows")
+    turn_rad_s: float = Field(default=0.8, ge=0.05, le=3.0, description="highest turning rate on the spot [rad/s]")
+    drive_m_s2: float = Field(default=0.8, ge=0.05, le=5.0, description="acceleration of driving [m/s2]")
+    turn_rad_s2: float = Field(default=1.6, ge=0.05, le=10.0, description="acceleration of turning [rad/s2]")
+    stop_m_s2: float = Field(default=2.0, ge=0.2, le=10.0, description="braking on emergency stop [m/s2]")
+    stop_rad_s2: float = Field(
+        default=4.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]"
+    )
+    motor_nm: float = Field(
+        default=40.0, ge=1.0, le=500.0, description="torque of one track's motor at its wheels [Nm]"
+    )
+    heading_gain_1_s: float = Field(
+        default=4.0, ge=0.0, le=20.0, description="gyro: turning rate per heading error [1/s]"
+    )
 
 
 class ArmConfig(RobotSection):
     """One of three identical arms: 2-DOF shoulder (C1, C2) and elbow."""
 
-    upper_m: float = Field(0.29, ge=0.1, le=0.8, description="shoulder to elbow [m]; about a person's upper arm")
-    forearm_m: float = Field(0.25, ge=0.1, le=0.8, description="elbow to tool flange [m]; about a person's forearm")
-    shoulder_offset_m: float = Field(0.24, ge=0.1, le=0.6, description="right, left shoulder beside the mast [m]")
-    forward_offset_m: float = Field(0.05, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]")
-    rear_offset_m: float = Field(0.20, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
-    upper_kg: float = Field(1.1, ge=0.1, le=10.0, description="mass of the upper arm with the elbow servo [kg]")
-    forearm_kg: float = Field(0.7, ge=0.1, le=10.0, description="mass of the forearm [kg]")
-    tool_kg: float = Field(0.35, ge=0.02, le=5.0, description="mass of an end effector [kg]")
+    upper_m: float = Field(
+        default=0.29, ge=0.1, le=0.8, description="shoulder to elbow [m]; about a person's upper arm"
+    )
+    forearm_m: float = Field(
+        default=0.25, ge=0.1, le=0.8, description="elbow to tool flange [m]; about a person's forearm"
+    )
+    shoulder_offset_m: float = Field(
+        default=0.24, ge=0.1, le=0.6, description="right, left shoulder beside the mast [m]"
+    )
+    forward_offset_m: float = Field(
+        default=0.05, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]"
+    )
+    rear_offset_m: float = Field(default=0.20, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
+    upper_kg: float = Field(default=1.1, ge=0.1, le=10.0, description="mass of the upper arm with the elbow servo [kg]")
+    forearm_kg: float = Field(default=0.7, ge=0.1, le=10.0, description="mass of the forearm [kg]")
+    tool_kg: float = Field(default=0.35, ge=0.02, le=5.0, description="mass of an end effector [kg]")
     c1: AxisLimits = Field(
         default_factory=lambda: AxisLimits(lower=-0.35, upper=2.1, speed=2.6, acceleration=16.0, effort=45.0),
         description="shoulder axis C1, forward positive [rad]",
@@ -83,18 +105,22 @@ class UpperBodyConfig(RobotSection):
     """Lift, disc and head: what carries the arms."""
 
     chest_yaw_rad: float = Field(
-        pi / 2,
+        default=pi / 2,
         ge=-pi,
         le=pi,
         description="where the chest faces at disc zero, from forward to the left [rad]; choice: the crop stands "
         "beside the aisle, so that driving moves the arms along the row",
     )
-    shoulder_height_m: float = Field(1.20, ge=0.8, le=2.0, description="shoulders over the floor, lift down [m]")
-    home_lift_m: float = Field(0.10, ge=0.0, le=1.0, description="lift at the start [m]")
-    spray_disc_rad: float = Field(
-        pi, ge=-3.2, le=3.2, description="disc for spraying [rad]; a half turn brings the rear arm to the crop"
+    shoulder_height_m: float = Field(
+        default=1.20, ge=0.8, le=2.0, description="shoulders over the floor, lift down [m]"
     )
-    pick_disc_rad: float = Field(0.0, ge=-3.2, le=3.2, description="disc for picking [rad]; the chest at the crop")
+    home_lift_m: float = Field(default=0.10, ge=0.0, le=1.0, description="lift at the start [m]")
+    spray_disc_rad: float = Field(
+        default=pi, ge=-3.2, le=3.2, description="disc for spraying [rad]; a half turn brings the rear arm to the crop"
+    )
+    pick_disc_rad: float = Field(
+        default=0.0, ge=-3.2, le=3.2, description="disc for picking [rad]; the chest at the crop"
+    )
     lift: AxisLimits = Field(
         default_factory=lambda: AxisLimits(lower=0.0, upper=0.40, speed=0.12, acceleration=0.5, effort=2500.0),
         description="self-locking lift (lead screw) [m]",
@@ -108,9 +134,13 @@ class UpperBodyConfig(RobotSection):
         default_factory=lambda: AxisLimits(lower=-1.2, upper=1.2, speed=0.6, acceleration=3.0, effort=4.0),
         description="turning base of the head camera [rad]",
     )
-    head_tilt_rad: float = Field(0.42, ge=-1.0, le=1.2, description="fixed downward tilt of the head camera [rad]")
-    head_fov_rad: float = Field(1.12, ge=0.3, le=2.5, description="vertical field of view of the head camera [rad]")
-    upper_body_kg: float = Field(14.0, ge=2.0, le=80.0, description="torso with shoulders [kg]")
+    head_tilt_rad: float = Field(
+        default=0.42, ge=-1.0, le=1.2, description="fixed downward tilt of the head camera [rad]"
+    )
+    head_fov_rad: float = Field(
+        default=1.12, ge=0.3, le=2.5, description="vertical field of view of the head camera [rad]"
+    )
+    upper_body_kg: float = Field(default=14.0, ge=2.0, le=80.0, description="torso with shoulders [kg]")
 
 
 class ToolConfig(RobotSection):
@@ -129,20 +159,24 @@ class ToolConfig(RobotSection):
 class GreenhouseConfig(RobotSection):
     """Two crop rows along x with an aisle between them; the robot starts in the aisle at the origin."""
 
-    row_start_m: float = Field(-1.1, ge=-20.0, le=0.0, description="where the rows begin [m]")
-    row_end_m: float = Field(2.9, ge=0.5, le=40.0, description="where the rows end [m]")
-    row_offset_m: float = Field(0.86, ge=0.7, le=2.0, description="from the aisle's middle to a row's [m]")
-    gutter_height_m: float = Field(0.50, ge=0.2, le=1.0, description="bottom of the hanging gutters [m]")
-    gutter_width_m: float = Field(0.20, ge=0.1, le=0.5, description="width of a gutter [m]")
-    plant_spacing_m: float = Field(0.48, ge=0.25, le=1.5, description="between plants in a row [m]; common: 0.4 to 0.5")
-    plant_height_m: float = Field(1.45, ge=0.5, le=3.0, description="from the gutter to the training wire [m]")
-    leaves_per_plant: int = Field(9, ge=0, le=40, description="leaves of one plant")
-    fruits_per_plant: int = Field(2, ge=0, le=8, description="cucumbers, or trusses of tomatoes, of one plant")
-    fruit_offset_m: float = Field(
-        0.60, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"
+    row_start_m: float = Field(default=-1.1, ge=-20.0, le=0.0, description="where the rows begin [m]")
+    row_end_m: float = Field(default=2.9, ge=0.5, le=40.0, description="where the rows end [m]")
+    row_offset_m: float = Field(default=0.86, ge=0.7, le=2.0, description="from the aisle's middle to a row's [m]")
+    gutter_height_m: float = Field(default=0.50, ge=0.2, le=1.0, description="bottom of the hanging gutters [m]")
+    gutter_width_m: float = Field(default=0.20, ge=0.1, le=0.5, description="width of a gutter [m]")
+    plant_spacing_m: float = Field(
+        default=0.48, ge=0.25, le=1.5, description="between plants in a row [m]; common: 0.4 to 0.5"
     )
-    fruit_low_m: float = Field(1.00, ge=0.4, le=2.0, description="lowest middle of a fruit over the floor [m]")
-    fruit_high_m: float = Field(1.45, ge=0.5, le=2.4, description="highest middle of a fruit over the floor [m]")
+    plant_height_m: float = Field(default=1.45, ge=0.5, le=3.0, description="from the gutter to the training wire [m]")
+    leaves_per_plant: int = Field(default=9, ge=0, le=40, description="leaves of one plant")
+    fruits_per_plant: int = Field(default=2, ge=0, le=8, description="cucumbers, or trusses of tomatoes, of one plant")
+    fruit_offset_m: float = Field(
+        default=0.60, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"
+    )
+    fruit_low_m: float = Field(default=1.00, ge=0.4, le=2.0, description="lowest middle of a fruit over the floor [m]")
+    fruit_high_m: float = Field(
+        default=1.45, ge=0.5, le=2.4, description="highest middle of a fruit over the floor [m]"
+    )
 
 
 class RobotConfig(RobotSection):
@@ -153,5 +187,9 @@ class RobotConfig(RobotSection):
     body: UpperBodyConfig = Field(default_factory=UpperBodyConfig)
     tool: ToolConfig = Field(default_factory=ToolConfig)
     greenhouse: GreenhouseConfig = Field(default_factory=GreenhouseConfig)
-    position_gain: float = Field(0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick")
-    disc_still_rad: float = Field(0.01, ge=1e-4, le=0.2, description="the disc counts as turning above this [rad]")
+    position_gain: float = Field(
+        default=0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick"
+    )
+    disc_still_rad: float = Field(
+        default=0.01, ge=1e-4, le=0.2, description="the disc counts as turning above this [rad]"
+    )

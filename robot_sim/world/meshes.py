@@ -9,7 +9,7 @@ from math import cos, pi, sin
 import numpy as np
 import numpy.typing as npt
 
-from robot_sim.greenhouse import Primitive, Rgba
+from robot_sim.greenhouse import Primitive, Rgba, Vec3
 
 F64 = npt.NDArray[np.float64]
 SIDES = 8
@@ -47,9 +47,15 @@ def merge(parts: Iterable[Primitive]) -> list[Mesh]:
 
 def tessellate(part: Primitive) -> tuple[F64, F64, npt.NDArray[np.int32]]:
     """Vertices (V, 3), outward normals (V, 3) and triangles (T, 3) of one primitive in world axes."""
-    shapes = {"box": _box, "cylinder": _cylinder, "sphere": _sphere}
-    faces = shapes[part.kind](*part.size_m)
-    vertices, normals, triangles = [], [], []
+    if part.kind == "box":
+        faces = _box(*part.size_m)
+    elif part.kind == "cylinder":
+        faces = _cylinder(*part.size_m)
+    else:
+        faces = _sphere(*part.size_m)
+    vertices: list[Vec3] = []
+    normals: list[Vec3] = []
+    triangles: list[tuple[int, int, int]] = []
     for corners, face_normals in faces:
         start = len(vertices)
         vertices += corners
@@ -73,7 +79,6 @@ def rotation(rpy_rad: tuple[float, float, float]) -> F64:
     )
 
 
-Vec3 = tuple[float, float, float]
 Face = tuple[list[Vec3], list[Vec3]]
 """A convex polygon, counter-clockwise from outside: corners and their normals."""
 

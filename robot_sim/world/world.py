@@ -17,7 +17,7 @@ from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
 from robot_sim.greenhouse import Primitive, greenhouse, solid
 from robot_sim.head_camera import projection_matrix, view_matrix
-from robot_sim.limiter import advance, home_setpoints, latch_estop, resolve
+from robot_sim.limiter import Setpoints, advance, home_setpoints, latch_estop, resolve
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.world.meshes import merge
@@ -35,13 +35,19 @@ class World:
     bit-equal states.
     """
 
+    _setpoints: Setpoints
+    _heading: Heading
+    _ticks: int
+    _carried_s: float
+    _reasons: tuple[str, ...]
+
     def __init__(self, config: RobotConfig | None = None, seed: int = 0) -> None:
         self.config = config or RobotConfig()
         self.seed = seed
         self._scenery = greenhouse(self.config.greenhouse, seed)
         self._meshes = merge(self._scenery)
         self._client = BulletClient(pybullet.DIRECT)
-        self._load()
+        self._start()
 
     @property
     def urdf(self) -> str:
@@ -104,7 +110,7 @@ class World:
     def reset(self) -> RobotState:
         """Back to the start, as newly built: the same commands give the same states again."""
         self._client.resetSimulation()
-        self._load()
+        self._start()
         return self.state()
 
     def estop(self) -> RobotState:
@@ -148,17 +154,17 @@ class World:
         """Free the simulation; the world cannot be used afterwards."""
         self._client.disconnect()
 
-    def _load(self) -> None:
+    def _start(self) -> None:
+        self._setpoints = home_setpoints(self.config)
+        self._heading = Heading(0.0)
+        self._ticks = 0
+        self._carried_s = 0.0
+        self._reasons = ()
         client = self._client
         client.setGravity(0.0, 0.0, -9.81)
         client.setPhysicsEngineParameter(fixedTimeStep=TICK_S, numSolverIterations=50, deterministicOverlappingPairs=1)
         self._load_scenery()
         self._load_robot()
-        self._setpoints = home_setpoints(self.config)
-        self._heading = Heading(0.0)
-        self._ticks = 0
-        self._carried_s = 0.0
-        self._reasons: tuple[str, ...] = ()
         # the chassis settles on its tracks before anybody looks
         for _ in range(TICK_HZ // 4):
             self._drive_motors()
@@ -166,7 +172,11 @@ class World:
 
     def _load_scenery(self) -> None:
         client = self._client
-        floor = client.createMultiBody(0.0, client.createCollisionShape(pybullet.GEOM_PLANE))
+        # bodies that only collide get a speck under the floor as their look, or PyBullet draws the collision shape
+        hidden = client.createVisualShape(
+            pybullet.GEOM_BOX, halfExtents=[1e-4] * 3, visualFramePosition=[0.0, 0.0, -1.0]
+        )
+        floor = client.createMultiBody(0.0, client.createCollisionShape(pybullet.GEOM_PLANE), hidden)
         client.changeDynamics(floor, -1, lateralFriction=1.0)
         boxes = solid(self._scenery)
         shape = client.createCollisionShapeArray(
@@ -174,7 +184,7 @@ class World:
             halfExtents=[[0.5 * s for s in b.size_m] for b in boxes],
             collisionFramePositions=[b.xyz_m for b in boxes],
         )
-        client.createMultiBody(0.0, shape)
+        client.createMultiBody(0.0, shape, hidden)
         for mesh in self._meshes:
             look = client.createVisualShape(
                 pybullet.GEOM_MESH,
@@ -206,11 +216,6 @@ class World:
             client.resetJointState(self._robot, joint, axis.home)
         chassis = self.config.chassis
         self._wheel_efforts = [chassis.motor_nm / 3.0] * len(WHEELS)
-        for wheel in self._wheels:
-            # along the track rubber grips, across it scrubs
-            client.changeDynamics(
-                self._robot, wheel, anisotropicFriction=[1.0, chassis.lateral_friction, 1.0], linearDamping=0.0
-            )
 
     def _drive_motors(self) -> None:
         client, s = self._client, self._setpoints
