@@ -168,7 +168,7 @@ class GreenhouseConfig(RobotSection):
         default=0.48, ge=0.25, le=1.5, description="between plants in a row [m]; common: 0.4 to 0.5"
     )
     plant_height_m: float = Field(default=1.45, ge=0.5, le=3.0, description="from the gutter to the training wire [m]")
-    leaves_per_plant: int = Field(default=9, ge=0, le=40, description="leaves of one plant")
+    leaves_per_plant: int = Field(default=8, ge=0, le=40, description="leaves of one plant")
     fruits_per_plant: int = Field(default=2, ge=0, le=8, description="cucumbers, or trusses of tomatoes, of one plant")
     fruit_offset_m: float = Field(
         default=0.60, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"

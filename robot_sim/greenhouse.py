@@ -6,10 +6,11 @@ World frame: x along the aisle, y left, z up, floor at z = 0. Cucumbers grow on 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, hypot, pi
+from math import asin, atan2, cos, hypot, pi, sin
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from robot_sim.config import GreenhouseConfig
 
@@ -126,20 +127,53 @@ def _plant(
         size = (0.22 if crop == "cucumber" else 0.17) * rng.uniform(0.75, 1.1)
         reach = 0.06 + 0.45 * size
         at = (x + reach * np.cos(yaw), y0 + 0.75 * reach * np.sin(yaw), up)
-        droop = rng.uniform(0.35, 0.85)
+        droop = float(rng.uniform(0.25, 0.75))
         colour = LEAVES[int(rng.integers(len(LEAVES)))]
-        rpy = (float(rng.uniform(-0.25, 0.25)), droop, yaw)
-        width = 0.85 if crop == "cucumber" else 0.5
         xyz = (float(at[0]), float(at[1]), float(at[2]))
-        parts.append(Primitive(f"{name}_leaf_{k}", "box", (size, width * size, 0.004), xyz, rpy, colour))
+        parts += _leaf(f"{name}_leaf_{k}", xyz, float(size), droop, float(yaw), crop == "cucumber", colour)
     span = (config.fruit_high_m - config.fruit_low_m) / max(1, config.fruits_per_plant)
     for k in range(config.fruits_per_plant):
         z = config.fruit_low_m + span * (k + rng.uniform(0.1, 0.9))
         fx = x + rng.uniform(-0.12, 0.12)
         fy = side * (config.fruit_offset_m + rng.uniform(0.0, 0.06))
-        grow = _cucumber if crop == "cucumber" else _truss
-        parts += grow(f"{name}_fruit_{k}", fx, fy, z, (x, y0), rng)
+        if crop == "cucumber":
+            parts += _cucumber(f"{name}_fruit_{k}", fx, fy, z, (x, y0), rng)
+        elif k % 2 == 0:
+            # a truss bears several: half as many of them
+            parts += _truss(f"{name}_fruit_{k}", fx, fy, z, (x, y0), rng)
     return parts
+
+
+def _leaf(name: str, xyz: Vec3, size: float, droop: float, yaw: float, lobed: bool, rgba: Rgba) -> list[Primitive]:
+    """A blade that droops away from the stem; two turned squares make a cucumber's lobes, one a tomato's leaflet."""
+    thin = 0.004
+    blade = Primitive(name, "box", (size, (0.80 if lobed else 0.42) * size, thin), xyz, (0.0, droop, yaw), rgba)
+    if not lobed:
+        # two leaflets beside the end one
+        across = rotation((0.0, droop, yaw)) @ np.array([-0.18 * size, 0.0, 0.003])
+        at = (xyz[0] + float(across[0]), xyz[1] + float(across[1]), xyz[2] + float(across[2]))
+        pair = Primitive(f"{name}_pair", "box", (0.30 * size, 0.95 * size, thin), at, (0.0, droop, yaw), rgba)
+        return [blade, pair]
+    turned = rpy_of(rotation((0.0, droop, yaw)) @ rotation((0.0, 0.0, 0.25 * pi)))
+    return [blade, Primitive(f"{name}_lobe", "box", (0.72 * size, 0.72 * size, 1.5 * thin), xyz, turned, rgba)]
+
+
+def rotation(rpy_rad: Vec3) -> npt.NDArray[np.float64]:
+    """(3, 3) rotation of roll, pitch, yaw about fixed axes: Rz Ry Rx, as in URDF."""
+    (sr, cr), (sp, cp), (sy, cy) = ((sin(a), cos(a)) for a in rpy_rad)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def rpy_of(R: npt.NDArray[np.float64]) -> Vec3:
+    """Roll, pitch, yaw [rad] of a rotation whose pitch is not 90 degrees; the inverse of :func:`rotation`."""
+    pitch = asin(min(1.0, max(-1.0, -R[2, 0])))
+    return (atan2(R[2, 1], R[2, 2]), pitch, atan2(R[1, 0], R[0, 0]))
 
 
 def _cucumber(

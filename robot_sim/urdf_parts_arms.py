@@ -42,7 +42,7 @@ def arm(name: ArmName, config: RobotConfig) -> list[Link | Joint]:
         visuals=(
             cylinder(0.052, 0.050, (0.0, -0.004 * s, 0.0), "graphite", ALONG_Y),
             cylinder(0.036, 0.105, ZERO, "shell", ALONG_X),
-            cylinder(0.026, 0.114, ZERO, "metal", ALONG_X),
+            box(0.112, 0.030, 0.030, ZERO, "metal"),
         ),
         collisions=(cylinder(0.052, 0.07, ZERO, rpy=ALONG_Y),),
     )
@@ -74,7 +74,7 @@ def arm(name: ArmName, config: RobotConfig) -> list[Link | Joint]:
             box(0.050, 0.044, 0.060, (0.0, 0.0, -0.045), "shell"),
             cylinder(0.028, reach - 0.10, (0.0, 0.0, -0.5 * reach - 0.02), "shell"),
             cylinder(0.031, 0.012, (0.0, 0.0, -0.085), "leaf"),
-            cylinder(0.033, 0.022, (0.0, 0.0, -reach + 0.011), "graphite"),
+            box(0.054, 0.054, 0.024, (0.0, 0.0, -reach + 0.012), "graphite"),
         ),
         collisions=(cylinder(0.030, reach, (0.0, 0.0, -0.5 * reach)),),
     )

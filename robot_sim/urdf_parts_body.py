@@ -11,7 +11,7 @@ from robot_sim.config import RobotConfig
 from robot_sim.urdf_parts import ALONG_X, ALONG_Y, Joint, Link, Shape, box, cylinder
 from robot_sim.urdf_parts_chassis import DISC_HEIGHT_M
 
-HEAD_HEIGHT_M = DISC_HEIGHT_M + 0.155
+HEAD_HEIGHT_M = DISC_HEIGHT_M + 0.150
 
 
 def upper_body(config: RobotConfig) -> list[Link | Joint]:
@@ -52,7 +52,7 @@ def head(config: RobotConfig) -> list[Link | Joint]:
         com_m=(0.0, 0.0, 0.04),
         visuals=(
             cylinder(0.046, 0.018, (0.0, 0.0, 0.0), "graphite"),
-            cylinder(0.024, 0.05, (0.0, 0.0, 0.025), "metal"),
+            box(0.042, 0.060, 0.05, (0.0, 0.0, 0.025), "graphite"),
             box(0.062, 0.165, 0.062, (0.0, 0.0, 0.055), "shell", turned),
             cylinder(0.031, 0.062, (0.0, 0.0825, 0.055), "shell", along_view),
             cylinder(0.031, 0.062, (0.0, -0.0825, 0.055), "shell", along_view),
@@ -98,10 +98,10 @@ def _torso() -> list[Shape]:
         # chest plate with a status lamp
         box(0.006, 0.130, 0.100, (0.076, 0.0, z + 0.075), "graphite"),
         box(0.006, 0.075, 0.010, (0.080, 0.0, z + 0.105), "leaf"),
-        cylinder(0.012, 0.008, (0.079, 0.0, z + 0.055), "signal", ALONG_X),
+        box(0.008, 0.022, 0.022, (0.079, 0.0, z + 0.055), "signal"),
         # neck
-        cylinder(0.040, 0.10, (0.02, 0.0, DISC_HEIGHT_M + 0.05), "graphite"),
-        cylinder(0.048, 0.02, (0.02, 0.0, DISC_HEIGHT_M + 0.115), "metal"),
+        cylinder(0.040, 0.125, (0.02, 0.0, DISC_HEIGHT_M + 0.0575), "graphite"),
+        cylinder(0.050, 0.022, (0.02, 0.0, DISC_HEIGHT_M + 0.130), "metal"),
     ]
 
 
@@ -115,8 +115,7 @@ def _shoulders(config: RobotConfig) -> list[Shape]:
         length, middle = outer - inner, 0.5 * (outer + inner)
         shapes += [
             cylinder(0.042, length, (a.forward_offset_m, sign * middle, DISC_HEIGHT_M), "graphite", ALONG_Y),
-            cylinder(0.058, 0.035, (a.forward_offset_m, sign * (outer - 0.015), DISC_HEIGHT_M), "shell", ALONG_Y),
-            cylinder(0.060, 0.008, (a.forward_offset_m, sign * (outer + 0.003), DISC_HEIGHT_M), "leaf", ALONG_Y),
+            cylinder(0.060, 0.020, (a.forward_offset_m, sign * (outer + 0.003), DISC_HEIGHT_M), "leaf", ALONG_Y),
         ]
     shapes += [
         box(back - 0.05, 0.070, 0.070, (-0.5 * back - 0.01, 0.036, DISC_HEIGHT_M - 0.01), "graphite"),

@@ -84,7 +84,7 @@ def _frame(config: RobotConfig) -> list[Shape]:
         *(box(0.03, inner * 0.86, 0.05, (s * c.length_m * 0.455, 0.0, 0.17), "shell") for s in (1, -1)),
         box(0.012, inner * 0.62, 0.014, (c.length_m * 0.475, 0.0, 0.175), "leaf"),
         box(0.012, inner * 0.62, 0.014, (-c.length_m * 0.475, 0.0, 0.175), "signal"),
-        *(cylinder(0.016, inner * 0.95, (s * c.length_m * 0.475, 0.0, 0.115), "rubber", ALONG_Y) for s in (1, -1)),
+        *(box(0.028, inner * 0.95, 0.026, (s * c.length_m * 0.472, 0.0, 0.115), "rubber") for s in (1, -1)),
     ]
 
 
@@ -103,7 +103,6 @@ def _tracks(config: RobotConfig) -> list[Shape]:
         pitch = (front - back) / (n - 1)
         shapes += [box(0.022, w + 0.006, 0.012, (back + k * pitch, y, 2 * r + 0.001), "rubber") for k in range(n)]
         shapes += [box(front - back, 0.008, 0.075, (0.0, outer + sign * 0.002, r), "graphite")]
-        shapes += [cylinder(r * 0.72, 0.012, (x, outer, r), "graphite", ALONG_Y) for x in (front, back)]
         shapes += [box(c.length_m * 0.80, 0.012, 0.035, (0.0, outer - sign * 0.012, 2 * r + 0.042), "leaf")]
     return shapes
 
@@ -138,9 +137,7 @@ def _tanks(config: RobotConfig) -> list[Shape]:
         shapes += [
             cylinder(r, length * 0.86, (x, y, z), colour, ALONG_X),
             cylinder(r * 0.86, length, (x, y, z), "shell", ALONG_X),
-            cylinder(r * 1.03, 0.012, (x - 0.055, y, z), "graphite", ALONG_X),
-            cylinder(r * 1.03, 0.012, (x + 0.055, y, z), "graphite", ALONG_X),
-            cylinder(0.020, 0.024, (x, y, z + r + 0.006), "graphite"),
+            box(0.030, 0.036, 0.026, (x, y, z + r + 0.006), "graphite"),
         ]
     return shapes
 
@@ -155,9 +152,9 @@ def _battery(config: RobotConfig) -> list[Shape]:
         box(0.244, 0.424, 0.012, (x, 0.0, z + 0.018), "leaf"),
         *vents,
         # the emergency stop on the machine itself
-        cylinder(0.034, 0.012, (x - 0.02, 0.12, z + 0.137), "pesticide"),
+        box(0.060, 0.060, 0.012, (x - 0.02, 0.12, z + 0.137), "pesticide"),
         cylinder(0.022, 0.026, (x - 0.02, 0.12, z + 0.154), "signal"),
-        cylinder(0.006, 0.20, (x + 0.07, -0.15, z + 0.22), "graphite"),
+        box(0.009, 0.009, 0.20, (x + 0.07, -0.15, z + 0.22), "graphite"),
     ]
 
 
@@ -165,12 +162,11 @@ def _mast(config: RobotConfig) -> list[Shape]:
     z0 = config.chassis.deck_height_m
     z1 = config.body.shoulder_height_m - DISC_HEIGHT_M - 0.08
     height, middle = z1 - z0, 0.5 * (z0 + z1)
-    corners = [cylinder(0.018, height, (sx * 0.062, sy * 0.062, middle), "shell") for sx in (1, -1) for sy in (1, -1)]
     return [
         cylinder(0.15, 0.03, (0.0, 0.0, z0 + 0.015), "graphite"),
         box(0.125, 0.160, height, (0.0, 0.0, middle), "shell"),
         box(0.160, 0.125, height, (0.0, 0.0, middle), "shell"),
-        *corners,
+        box(0.143, 0.143, height, (0.0, 0.0, middle), "shell"),
         # the slot of the lead screw, seen from all sides
         *(box(0.004, 0.03, height * 0.8, (s * 0.081, 0.0, middle), "graphite") for s in (1, -1)),
         *(box(0.03, 0.004, height * 0.8, (0.0, s * 0.081, middle), "graphite") for s in (1, -1)),

@@ -7,7 +7,7 @@ above the gripper, where a hanging fruit has its peduncle, and the box opens upw
 from __future__ import annotations
 
 from robot_sim.config import RobotConfig
-from robot_sim.urdf_parts import ALONG_Y, ZERO, Joint, Link, Shape, Vec3, box, cylinder
+from robot_sim.urdf_parts import ZERO, Joint, Link, Shape, Vec3, box, cylinder
 
 FINGER_M = 0.085
 """Length of a finger's pad along the forearm's direction."""
@@ -29,7 +29,6 @@ def gripper(config: RobotConfig) -> list[Link | Joint]:
         extent_m=(0.05, 0.12, 0.05),
         com_m=(0.0, 0.0, -0.02),
         visuals=(
-            cylinder(0.034, 0.012, (0.0, 0.0, -0.006), "metal"),
             box(0.052, 0.150, 0.026, (0.0, 0.0, -0.025), "graphite"),
             box(0.036, 0.156, 0.008, (0.0, 0.0, -0.036), "metal"),
             # the cutter's arm and fixed blade
@@ -51,7 +50,7 @@ def gripper(config: RobotConfig) -> list[Link | Joint]:
         extent_m=(0.01, 0.02, 0.07),
         com_m=(0.0, 0.0, -0.04),
         visuals=(
-            cylinder(0.012, 0.012, ZERO, "signal", (0.0, 1.5707963, 0.0)),
+            box(0.012, 0.020, 0.020, ZERO, "signal"),
             box(0.004, 0.016, 0.070, (0.0, 0.0, -0.040), "signal"),
         ),
     )
@@ -80,7 +79,7 @@ def fruit_box(config: RobotConfig) -> list[Link | Joint]:
         mass_kg=config.arm.tool_kg,
         extent_m=(depth, width, length),
         com_m=(x, 0.0, z),
-        visuals=(*walls, *rim, cylinder(0.034, 0.016, (0.0, 0.0, -0.008), "metal")),
+        visuals=(*walls, *rim),
         collisions=walls,
     )
     return [link, Joint("left_flange", "left_forearm", "left_tool", (0.0, 0.0, -config.arm.forearm_m))]
@@ -89,17 +88,15 @@ def fruit_box(config: RobotConfig) -> list[Link | Joint]:
 def sprayer(config: RobotConfig) -> list[Link | Joint]:
     """Three nozzles side by side, one for each tank."""
     shapes: list[Shape] = [
-        cylinder(0.034, 0.012, (0.0, 0.0, -0.006), "metal"),
         box(0.044, 0.120, 0.045, (0.0, 0.0, -0.034), "shell"),
-        cylinder(0.013, 0.130, (0.028, 0.0, -0.034), "graphite", ALONG_Y),
+        box(0.022, 0.130, 0.022, (0.028, 0.0, -0.034), "graphite"),
     ]
     for y, colour in ((0.040, "water"), (0.0, "nutrient"), (-0.040, "pesticide")):
         shapes += [
-            cylinder(0.009, 0.055, (0.0, y, -0.084), "metal"),
-            cylinder(0.014, 0.012, (0.0, y, -0.066), colour),
-            cylinder(0.015, 0.026, (0.0, y, -NOZZLE_M + 0.013), "graphite"),
+            cylinder(0.012, 0.055, (0.0, y, -0.084), colour),
+            box(0.022, 0.026, 0.028, (0.0, y, -NOZZLE_M + 0.014), "graphite"),
             # its hose along the forearm
-            cylinder(0.007, 0.150, (0.034, y * 0.45, 0.060), colour),
+            box(0.010, 0.010, 0.160, (0.033, y * 0.40, 0.065), colour),
         ]
     link = Link(
         "rear_tool",

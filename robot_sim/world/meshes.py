@@ -9,7 +9,7 @@ from math import cos, pi, sin
 import numpy as np
 import numpy.typing as npt
 
-from robot_sim.greenhouse import Primitive, Rgba, Vec3
+from robot_sim.greenhouse import Primitive, Rgba, Vec3, rotation
 
 F64 = npt.NDArray[np.float64]
 SIDES = 8
@@ -65,18 +65,6 @@ def tessellate(part: Primitive) -> tuple[F64, F64, npt.NDArray[np.int32]]:
     v = np.array(vertices, dtype=np.float64) @ R.T + np.array(part.xyz_m)
     n = np.array(normals, dtype=np.float64) @ R.T
     return v, n / np.linalg.norm(n, axis=1, keepdims=True), np.array(triangles, dtype=np.int32)
-
-
-def rotation(rpy_rad: tuple[float, float, float]) -> F64:
-    """(3, 3) rotation of roll, pitch, yaw about fixed axes: Rz Ry Rx, as in URDF."""
-    (sr, cr), (sp, cp), (sy, cy) = ((sin(a), cos(a)) for a in rpy_rad)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
 
 
 Face = tuple[list[Vec3], list[Vec3]]

@@ -26,6 +26,8 @@ from robot_sim.world.tracks import Heading, track_speeds
 TICK_HZ = 240
 TICK_S = 1.0 / TICK_HZ
 """PyBullet's own default, on which its solver's settings rest."""
+SKY_RGB = (214, 226, 230)
+"""Diffuse glass behind everything."""
 
 
 class World:
@@ -135,7 +137,7 @@ class World:
         self, view: npt.NDArray[np.float64], projection: npt.NDArray[np.float64], width: int, height: int
     ) -> npt.NDArray[np.uint8]:
         """Render with OpenGL view and projection matrices (4, 4): (height, width, 3) uint8 RGB."""
-        _, _, rgba, _, _ = self._client.getCameraImage(
+        _, _, rgba, depth, _ = self._client.getCameraImage(
             width,
             height,
             view.T.ravel().tolist(),
@@ -148,7 +150,10 @@ class World:
             shadow=0,
             flags=pybullet.ER_NO_SEGMENTATION_MASK,
         )
-        return np.ascontiguousarray(np.reshape(rgba, (height, width, 4))[:, :, :3].astype(np.uint8))
+        image = np.ascontiguousarray(np.reshape(rgba, (height, width, 4))[:, :, :3].astype(np.uint8))
+        nothing = np.reshape(depth, (height, width)) >= 1.0 - 1e-6
+        image[nothing] = SKY_RGB
+        return image
 
     def close(self) -> None:
         """Free the simulation; the world cannot be used afterwards."""
