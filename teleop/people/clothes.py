@@ -10,6 +10,9 @@ import numpy.typing as npt
 from teleop.people.body import Body, Bytes, Floats32
 from teleop.people.rig import BONE, SIDES, Floats
 
+_SHIRT_HEM = 0.15
+"""A top that reaches less far down the thigh ends above the hips instead."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dressed:
@@ -124,7 +127,7 @@ def dress(body: Body, wear: Wardrobe, seed: int) -> Dressed:
         worn = leg & (s < wear.trousers_length)
         cover[worn] = (wear.trousers_m * _ramp(wear.trousers_length - s, 0.06))[worn]
         color[worn] = wear.trousers_rgb
-        hem = leg & (s < wear.hem_length)
+        hem = leg & (s < wear.hem_length) & (wear.hem_length > _SHIRT_HEM)
         cover[hem] = np.maximum(cover, wear.top_m * _ramp(wear.hem_length - s, 0.05))[hem]
         color[hem] = wear.top_rgb
         foot = on(f"foot_{side}", f"toes_{side}")
@@ -138,7 +141,7 @@ def dress(body: Body, wear: Wardrobe, seed: int) -> Dressed:
         cover[worn] = (thick * _ramp(wear.sleeve_length - s, 0.05))[worn]
         color[worn] = wear.top_rgb
     torso = on("pelvis", "spine", "chest", "clavicle_right", "clavicle_left")
-    hem_y = hips_y + (0.06 if wear.hem_length < 0.1 else -0.3)
+    hem_y = hips_y + (0.06 if wear.hem_length <= _SHIRT_HEM else -0.3)
     shirt = torso & (points[:, 1] > hem_y)
     cover[torso], color[torso] = wear.trousers_m, wear.trousers_rgb
     cover[shirt] = (wear.top_m * _ramp(neck_y + 0.03 - points[:, 1], 0.04))[shirt]
@@ -153,9 +156,9 @@ def dress(body: Body, wear: Wardrobe, seed: int) -> Dressed:
 def _hair(body: Body, wear: Wardrobe, points: Floats, cover: Floats, color: Bytes) -> None:
     head = np.isin(body.vertex_bone, [BONE["head"], BONE["neck"]])
     d = points - body.rig.skull_m
-    front = points[body.vertex_bone == BONE["head"], 2].min() - body.rig.skull_m[2]
-    behind = d[:, 2] - 0.3 * front
-    above = d[:, 1] - np.where(behind < 0, 0.035, -0.02 - 0.14 * wear.hair_length - 0.5 * behind)
+    # Skin from the brows down in front of the ears; behind them the hair reaches down to the chin or the neck.
+    behind = d[:, 2] - 0.015
+    above = d[:, 1] - np.where(behind < 0, 0.045, -0.03 - 0.14 * wear.hair_length - 0.4 * behind)
     if wear.cap:
         above = d[:, 1] - 0.02
     hair = head & (above > 0)

@@ -22,9 +22,11 @@ from teleop.people.makehuman import makehuman_body
 from teleop.people.mocap import library
 from teleop.people.moves import jittered, random_pose
 from teleop.people.pose import Pose, pose_rig, yaw
-from teleop.people.render import draw, empty_raster
-from teleop.people.rig import Floats, Posed, joints_m
+from teleop.people.rig import Floats
+from teleop.people.room import random_room
+from teleop.people.scene import Figure, shoot, stand
 from teleop.people.sensor import sense
+from teleop.people.shade import random_light
 from teleop.people.shape import random_shape
 from teleop.people.view import View, sensor_view, visible_joints
 
@@ -35,13 +37,14 @@ _SEED: Final = {"train": 11, "validation": 22, "test": 33}
 
 @dataclass(frozen=True, slots=True)
 class SampleSpec:
-    """What to draw: the split, the image size, a room round the person or not (slower), mirrored image or not."""
+    """What to draw: split and image size; with a room round the person (slower) or without; mirrored; with colour."""
 
     split: Split = "train"
     width: int = 640
     height: int = 480
     room: bool = False
     mirrored: bool = False
+    color: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,13 +52,14 @@ class RenderedFrame:
     """One frame with its truth.
 
     frame: sensor noise applied. part: (H, W) uint8, NO_PART off the person. joints_m: (20, 3) camera axes.
-    visible: (20,) bool, see ``teleop.people.view.visible_joints``.
+    curl: right and left hand, 0 flat open .. 1 fist. visible: (20,) bool, see ``teleop.people.view.visible_joints``.
     """
 
     frame: DepthFrame
     part: Bytes
     joints_m: Floats
     visible: npt.NDArray[np.bool_]
+    curl: tuple[float, float]
 
 
 @lru_cache(maxsize=512)
@@ -76,13 +80,14 @@ def _sample_pose(rng: np.random.Generator, split: str) -> Pose:
     return pose
 
 
-def _place(posed: Posed, vertices: Floats32, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Where the person stands in the room: turn (3, 3) and shift (3,); feet on the floor."""
-    z = rng.uniform(1.2, 4.0)
-    x = rng.uniform(-1, 1) * min(0.9, 0.38 * z)
+def _figure(rng: np.random.Generator, split: str, x_m: float, z_m: float) -> Figure:
+    """Somebody of the split, dressed, posed, standing at (x, z) and turned by up to 45 degrees."""
+    body = person(split, int(rng.integers(_PEOPLE[split])))
+    worn = dress(body, random_wardrobe(rng), int(rng.integers(2**31)))
+    pose = _sample_pose(rng, split)
+    posed = pose_rig(body.rig, pose)
     turn = yaw(np.radians(rng.uniform(-45, 45) if rng.uniform() < 0.5 else rng.normal(0, 10)))
-    shift = np.array([x, 0.0, z]) - turn @ np.array([posed.p_m[0, 0], vertices[:, 1].min(), posed.p_m[0, 2]])
-    return turn, shift
+    return Figure(body, worn, pose, stand(posed, skin(body, posed, worn.vertices_m), x_m, z_m, turn))
 
 
 def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
@@ -91,26 +96,30 @@ def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
     Raises DataError when the MakeHuman files are missing.
     """
     rng = np.random.default_rng([_SEED[spec.split], 7, seed])
-    body = person(spec.split, int(rng.integers(_PEOPLE[spec.split])))
-    worn = dress(body, random_wardrobe(rng), int(rng.integers(2**31)))
-    posed = pose_rig(body.rig, _sample_pose(rng, spec.split))
-    local = skin(body, posed, worn.vertices_m)
-    turn, shift = _place(posed, local, rng)
+    z = float(rng.uniform(1.2, 4.0))
+    x = float(rng.uniform(-1, 1)) * min(0.9, 0.38 * z)
+    people = [_figure(rng, spec.split, x, z)]
     height = float(rng.uniform(0.6, 1.4) if rng.uniform() < 0.85 else rng.uniform(1.4, 2.0))
-    tilt = float(np.clip(np.arctan((0.95 - height) / shift[2]) + rng.normal(0, 0.08), -0.27, 0.27))
+    tilt = float(np.clip(np.arctan((0.95 - height) / z) + rng.normal(0, 0.08), -0.27, 0.27))
     view = sensor_view(height, tilt, float(rng.normal(0, 0.02)))
-    R, t = view.R @ turn, view.R @ shift + view.t_m
     camera = Camera(kinect_v1(spec.width, spec.height), spec.mirrored)
-    raster = empty_raster(camera)
-    draw(raster, camera, (local @ R.T + t).astype(np.float32), body.faces)
-    depth = raster.depth_m
-    part = np.where(raster.face >= 0, body.face_part[np.maximum(raster.face, 0)], np.uint8(NO_PART))
-    joints = joints_m(body.rig, posed.moved(R, t))
-    _cut_out(depth, part, joints, camera, view, rng)
-    visible = visible_joints(joints, depth, part, camera)
+    room = None
+    if spec.room:
+        room = random_room(rng, np.array([x, 0.0, z]))
+        if rng.uniform() < 0.15:
+            aside = float(rng.choice([-1.0, 1.0])) * float(rng.uniform(0.8, 1.3))
+            people.append(_figure(rng, spec.split, x + aside, z + float(rng.uniform(-0.2, 1.0))))
+    light = random_light(rng) if spec.color else None
+    shot = shoot(tuple(people), room, view, camera, light, rng)
+    depth, part = shot.depth_m, shot.part
+    if not spec.room:
+        _cut_out(depth, part, shot.joints_m, camera, view, rng)
+    visible = visible_joints(shot.joints_m, depth, part, camera)
     reading = sense(depth, camera, rng)
     seen = np.where(reading.depth_mm > 0, part.ravel()[reading.source], np.uint8(NO_PART))
-    return RenderedFrame(DepthFrame(0, reading.depth_mm, camera), seen, joints, visible)
+    arms = people[0].pose.arms
+    frame = DepthFrame(0, reading.depth_mm, camera, shot.color_rgb, seed)
+    return RenderedFrame(frame, seen, shot.joints_m, visible, (arms[0].curl, arms[1].curl))
 
 
 def _cut_out(

@@ -26,7 +26,7 @@ class SensorModel:
     lateral_px: float = 0.8
     axial: float = 1.0
     base_m: float = 0.075
-    grazing_rad: float = 1.15
+    grazing_rad: float = 1.35
     near_m: float = 0.5
     far_m: float = 8.0
     quantised: bool = True
