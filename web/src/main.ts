@@ -37,7 +37,7 @@ const help = helpDialog();
 const gone = h("div", { class: "gone", hidden: true, role: "alert" }, translated(h("h2"), "gone.title"), translated(h("p"), "gone.text"));
 
 const themeButton = titled(h("button", { class: "chip", type: "button" }, icon("theme")), "button.theme");
-const languageButton = titled(h("button", { class: "chip", type: "button" }, "中 / En"), "button.language");
+const languageButton = titled(h("button", { class: "chip", type: "button" }, "EN 中"), "button.language");
 const soundIcon = icon("mute");
 const soundButton = titled(h("button", { class: "chip", type: "button" }, soundIcon), "button.sound");
 const helpButton = titled(h("button", { class: "chip", type: "button" }, icon("help")), "button.help");

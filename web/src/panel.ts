@@ -16,7 +16,7 @@ export interface Panel {
 
 /** A titled frame for a panel's content. */
 export function frame(name: string, title: Key, ...content: HTMLElement[]): { element: HTMLElement; tools: HTMLElement } {
-  const tools = h("div", { class: "panel-tools" });
+  const tools = h("div", { class: "head-tools" });
   const heading = translated(h("h2"), title);
   const element = h("section", { class: `panel panel-${name}` }, h("header", {}, heading, tools), ...content);
   return { element, tools };

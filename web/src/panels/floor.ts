@@ -10,8 +10,8 @@ import type { Hello, State, ZoneInfo } from "../wire";
 import type { Zone } from "../words";
 
 const TRAIL_POINTS = 90;
-const FAR_M = 4.0;
-const HALF_WIDTH_M = 1.5;
+const FAR_M = 3.75;
+const HALF_WIDTH_M = 1.32;
 
 export class FloorPanel implements Panel {
   readonly element: HTMLElement;
@@ -54,12 +54,12 @@ export class FloorPanel implements Panel {
     this.area("back", -center, back, center, far);
     this.area("left", -side, near, -center, far);
     this.area("right", center, near, side, far);
-    this.label("floor.pick", 0, (work + back) / 2 + 0.17, "small");
-    this.label("floor.spray", 0, (work + back) / 2 + 0.3, "small");
-    this.label("floor.stop", 0, near - 0.14, "stop");
+    this.label("floor.pick", 0, back - 0.17, "small");
+    this.label("floor.spray", 0, back - 0.06, "small");
+    this.label("floor.stop", 0, near - 0.3, "stop");
     this.label("floor.stop", 0, far + 0.2, "stop");
-    this.label("floor.left", -side, far + 0.42, "small");
-    this.label("floor.right", side, far + 0.42, "small");
+    this.label("floor.left", -(side + center) / 2 - 0.05, near - 0.06, "small");
+    this.label("floor.right", (side + center) / 2 + 0.05, near - 0.06, "small");
     this.measures(zones);
     this.map.append(
       s("path", { class: "floor-view", d: `M0 0 L${-HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)} M0 0 L${HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)}` }),
@@ -75,7 +75,7 @@ export class FloorPanel implements Panel {
     const box = s("rect", { class: "floor-zone", "data-zone": zone, x: x0, y: z0, width: x1 - x0, height: z1 - z0 });
     this.areas.set(zone, box);
     const sideways = zone === "left" || zone === "right";
-    const y = zone === "work" ? (z0 + z1) / 2 - 0.02 : (z0 + z1) / 2 + 0.05;
+    const y = zone === "work" ? z0 + 0.26 : (z0 + z1) / 2 + 0.05;
     this.map.append(box);
     this.label(`zone.${zone}`, (x0 + x1) / 2, y, zone === "work" ? "large" : sideways ? "turn" : "");
   }

@@ -6,7 +6,7 @@ import { type Panel, frame } from "../panel";
 import type { StageLatency, State } from "../wire";
 
 const EVERY_MS = 250;
-const FULL_SCALE_MS = 80;
+const LEAST_SCALE_MS = 10;
 const TOTAL = "total";
 
 class StageRow {
@@ -24,12 +24,12 @@ class StageRow {
     this.element = h("div", { class: "stage" }, this.name.element, track, this.median.element, this.p95.element);
   }
 
-  set(latency: StageLatency): void {
+  set(latency: StageLatency, scale_ms: number): void {
     this.name.set(lookup(`stage.${this.stage}`) ?? this.stage);
     this.median.set(ms(latency.p50));
     this.p95.set(ms(latency.p95));
-    this.barStyle.set(`width:${share(latency.p50)}%`);
-    this.whiskerStyle.set(`width:${share(latency.p95)}%`);
+    this.barStyle.set(`width:${share(latency.p50, scale_ms)}%`);
+    this.whiskerStyle.set(`width:${share(latency.p95, scale_ms)}%`);
   }
 }
 
@@ -63,10 +63,14 @@ export class LatencyPanel implements Panel {
     const total = state.latency_ms[TOTAL];
     this.median.set(total ? ms(total.p50) : "–");
     this.p95.set(total ? ms(total.p95) : "–");
+    let scale_ms = LEAST_SCALE_MS;
+    for (const stage in state.latency_ms) {
+      if (stage !== TOTAL) scale_ms = Math.max(scale_ms, state.latency_ms[stage]?.p95 ?? 0);
+    }
     for (const stage in state.latency_ms) {
       const latency = state.latency_ms[stage];
       if (stage === TOTAL || !latency) continue;
-      this.row(stage).set(latency);
+      this.row(stage).set(latency, scale_ms);
     }
   }
 
@@ -89,6 +93,6 @@ function ms(value: number): string {
   return value < 10 ? value.toFixed(1) : value.toFixed(0);
 }
 
-function share(value: number): string {
-  return Math.min(100, (100 * value) / FULL_SCALE_MS).toFixed(1);
+function share(value: number, scale: number): string {
+  return Math.min(100, (100 * value) / scale).toFixed(1);
 }

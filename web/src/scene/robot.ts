@@ -1,69 +1,50 @@
 /** The robot from its URDF, and a ghost of the set-points its arms are moving to. */
 
-import {
-  BoxGeometry,
-  type BufferGeometry,
-  CylinderGeometry,
-  Group,
-  Mesh,
-  MeshLambertMaterial,
-  type MeshPhongMaterial,
-  type Object3D,
-  SphereGeometry,
-} from "three";
+import { CircleGeometry, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, type Object3D } from "three";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
 import type { RobotWire } from "../wire";
+import { mergeLink } from "./merge";
 
 /** A difference the eye cannot see in this view. */
 const STILL_RAD = 5e-4;
 const GHOST_FROM_RAD = 0.05;
 const ARM_JOINT = /^(right|left|rear)_/;
 
-/** The loader's own primitives are far finer than the view needs. */
-const SHAPES: Record<string, BufferGeometry> = {
-  BoxGeometry: new BoxGeometry(1, 1, 1),
-  CylinderGeometry: new CylinderGeometry(1, 1, 1, 12),
-  SphereGeometry: new SphereGeometry(1, 10, 8),
-};
-
 export class RobotModel {
   readonly group = new Group();
   private readonly robot: URDFRobot;
   private readonly ghost: URDFRobot;
-  private readonly materials = new Map<string, MeshLambertMaterial>();
-  private readonly ghostMaterial = new MeshLambertMaterial({ color: 0x8fe3b8, transparent: true, opacity: 0.28, depthWrite: false });
+  private readonly materials = new Map<number, MeshLambertMaterial>();
+  private readonly ghostMaterial = new MeshLambertMaterial({ color: 0x8fe3b8, transparent: true, opacity: 0.3, depthWrite: false });
+  private readonly shadow = new Mesh(
+    new CircleGeometry(0.62, 28),
+    new MeshBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.28, depthWrite: false }),
+  );
 
   constructor(urdf: string) {
     const loader = new URDFLoader();
     loader.parseCollision = false;
     this.robot = loader.parse(urdf);
     this.ghost = loader.parse(urdf);
-    this.forMeshes(this.robot, (mesh) => {
-      mesh.material = this.material(mesh.material as MeshPhongMaterial);
-    });
-    this.forMeshes(this.ghost, (mesh) => {
-      mesh.material = this.ghostMaterial;
-      mesh.visible = onArm(mesh);
-    });
+    for (const link of Object.values(this.robot.links)) {
+      for (const { mesh, opacity } of mergeLink(link)) mesh.material = this.material(opacity);
+    }
+    for (const link of Object.values(this.ghost.links)) {
+      for (const { mesh } of mergeLink(link)) {
+        mesh.material = this.ghostMaterial;
+        mesh.visible = onArm(link);
+      }
+    }
     this.ghost.visible = false;
-    this.group.add(this.robot, this.ghost);
+    this.shadow.position.z = 0.012;
+    this.group.add(this.shadow, this.robot, this.ghost);
   }
 
-  private forMeshes(robot: URDFRobot, change: (mesh: Mesh) => void): void {
-    robot.traverse((object) => {
-      if (!(object instanceof Mesh)) return;
-      object.geometry = SHAPES[object.geometry.type] ?? object.geometry;
-      change(object);
-    });
-  }
-
-  /** One shared material per colour. */
-  private material(from: MeshPhongMaterial): MeshLambertMaterial {
-    const key = `${from.color.getHexString()} ${from.opacity}`;
-    let material = this.materials.get(key);
+  private material(opacity: number): MeshLambertMaterial {
+    let material = this.materials.get(opacity);
     if (!material) {
-      material = new MeshLambertMaterial({ color: from.color, transparent: from.opacity < 1, opacity: from.opacity });
-      this.materials.set(key, material);
+      material = new MeshLambertMaterial({ vertexColors: true, transparent: opacity < 1, opacity, flatShading: false });
+      this.materials.set(opacity, material);
     }
     return material;
   }
@@ -81,7 +62,7 @@ export class RobotModel {
     const { x, y, yaw } = state.base;
     const { position, rotation } = this.group;
     if (Math.hypot(position.x - x, position.y - y) < STILL_RAD && Math.abs(rotation.z - yaw) < STILL_RAD) return false;
-    position.set(x, y, position.z);
+    position.set(x, y, 0);
     rotation.z = yaw;
     return true;
   }
@@ -97,8 +78,8 @@ export class RobotModel {
     this.ghost.visible = away;
     if (!away) return changed;
     let moved = false;
-    for (const name in state.targets) {
-      const value = ARM_JOINT.test(name) ? state.targets[name] : state.joints[name];
+    for (const name in state.joints) {
+      const value = ARM_JOINT.test(name) ? (state.targets[name] ?? state.joints[name]) : state.joints[name];
       moved = setJoint(this.ghost, name, value ?? 0) || moved;
     }
     return moved || changed;
@@ -107,6 +88,10 @@ export class RobotModel {
   dispose(): void {
     for (const material of this.materials.values()) material.dispose();
     this.ghostMaterial.dispose();
+    this.shadow.material.dispose();
+    this.group.traverse((object) => {
+      if (object instanceof Mesh) object.geometry.dispose();
+    });
   }
 }
 
@@ -116,8 +101,8 @@ function setJoint(robot: URDFRobot, name: string, value: number): boolean {
   return joint.setJointValue(value);
 }
 
-function onArm(object: Object3D): boolean {
-  for (let at: Object3D | null = object; at; at = at.parent) {
+function onArm(link: Object3D): boolean {
+  for (let at: Object3D | null = link; at; at = at.parent) {
     if ("isURDFJoint" in at && ARM_JOINT.test(at.name)) return true;
   }
   return false;

@@ -22,7 +22,7 @@ function unitGeometry(kind: SceneryItem["kind"]): BufferGeometry {
     case "box":
       return new BoxGeometry(1, 1, 1);
     case "cylinder":
-      return new CylinderGeometry(1, 1, 1, 7).rotateX(Math.PI / 2); // along z, as in URDF
+      return new CylinderGeometry(1, 1, 1, 6).rotateX(Math.PI / 2); // along z, as in URDF
     case "sphere":
       return new SphereGeometry(1, 7, 5);
   }
@@ -41,7 +41,25 @@ function scaleOf(item: SceneryItem, scale: Vector3): Vector3 {
   }
 }
 
-export function buildScenery(items: readonly SceneryItem[]): Group {
+/** The rows beside the aisle (x runs along it) can be hidden one by one, to look at the robot through them. */
+export interface Scenery {
+  all: Group;
+  left: Group;
+  right: Group;
+}
+
+/** What stands at least this far beside the middle of the aisle belongs to a row. */
+export const AISLE_HALF_WIDTH_M = 0.45;
+
+export function buildScenery(items: readonly SceneryItem[]): Scenery {
+  const left = batched(items.filter((item) => item.xyz_m[1] > AISLE_HALF_WIDTH_M));
+  const right = batched(items.filter((item) => item.xyz_m[1] < -AISLE_HALF_WIDTH_M));
+  const all = batched(items.filter((item) => Math.abs(item.xyz_m[1]) <= AISLE_HALF_WIDTH_M));
+  all.add(left, right);
+  return { all, left, right };
+}
+
+function batched(items: readonly SceneryItem[]): Group {
   const batches = new Map<string, SceneryItem[]>();
   for (const item of items) {
     const key = `${item.kind} ${item.rgba[3]}`;
@@ -77,11 +95,11 @@ function instanced(items: readonly SceneryItem[]): InstancedMesh {
   return mesh;
 }
 
-export function disposeScenery(group: Group): void {
-  for (const child of group.children) {
-    if (!(child instanceof InstancedMesh)) continue;
+export function disposeScenery(scenery: Scenery): void {
+  scenery.all.traverse((child) => {
+    if (!(child instanceof InstancedMesh)) return;
     child.geometry.dispose();
     (child.material as MeshLambertMaterial).dispose();
     child.dispose();
-  }
+  });
 }

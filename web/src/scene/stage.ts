@@ -9,7 +9,6 @@ import {
   Color,
   DirectionalLight,
   Fog,
-  Group,
   HemisphereLight,
   PerspectiveCamera,
   Scene,
@@ -20,11 +19,14 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cssColor } from "../dom";
 import type { Hello, State } from "../wire";
 import { RobotModel } from "./robot";
-import { buildScenery, disposeScenery } from "./scenery";
+import { AISLE_HALF_WIDTH_M, type Scenery, buildScenery, disposeScenery } from "./scenery";
 
 const MIN_PERIOD_MS = 33;
-const HOME_EYE_M = new Vector3(2.1, -2.5, 1.75);
-const HOME_TARGET_M = new Vector3(0.1, 0, 0.8);
+/** Drawing by the processor takes its time from tracking and simulation: rest twice as long as a picture takes. */
+const SOFTWARE_REST = 2;
+const SOFTWARE_PIXEL_RATIO = 0.8;
+const HOME_EYE_M = new Vector3(1.75, -1.9, 1.7);
+const HOME_TARGET_M = new Vector3(0.05, 0, 0.72);
 
 export function webglWorks(): boolean {
   return document.createElement("canvas").getContext("webgl2") !== null;
@@ -44,12 +46,14 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly base = new Vector3();
   private readonly step = new Vector3();
-  private scenery: Group | null = null;
+  private scenery: Scenery | null = null;
   private robot: RobotModel | null = null;
   private scheduled = false;
   private drawn_ms = -Infinity;
+  private readonly rest: number;
   private fence: WebGLSync | null = null;
   private fenced_ms = 0;
+  private finished_ms = -Infinity;
   private cost_ms = 0;
   private shown_ms = 0;
 
@@ -58,8 +62,9 @@ export class Stage {
     private readonly report: (triangles: number, cost_ms: number) => void,
   ) {
     const software = drawnBySoftware();
+    this.rest = software ? SOFTWARE_REST : 0;
     this.renderer = new WebGLRenderer({ antialias: !software, powerPreference: "high-performance" });
-    this.renderer.setPixelRatio(software ? 1 : Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(software ? SOFTWARE_PIXEL_RATIO : Math.min(window.devicePixelRatio, 2));
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.domElement.className = "scene-canvas";
     box.prepend(this.renderer.domElement);
@@ -68,7 +73,10 @@ export class Stage {
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.minDistance = 0.6;
     this.controls.maxDistance = 12;
-    this.controls.addEventListener("change", () => this.invalidate());
+    this.controls.addEventListener("change", () => {
+      this.cutAway();
+      this.invalidate();
+    });
     const sun = new DirectionalLight(0xffffff, 1.9);
     sun.position.set(3, -4, 8);
     this.scene.add(sun, new HemisphereLight(0xe8f4ee, 0x3a4a40, 1.5), new AmbientLight(0xffffff, 0.25));
@@ -80,7 +88,7 @@ export class Stage {
 
   build(urdf: string, hello: Hello): void {
     if (this.scenery) {
-      this.scene.remove(this.scenery);
+      this.scene.remove(this.scenery.all);
       disposeScenery(this.scenery);
     }
     if (this.robot) {
@@ -89,7 +97,8 @@ export class Stage {
     }
     this.scenery = buildScenery(hello.scenery);
     this.robot = new RobotModel(urdf);
-    this.scene.add(this.scenery, this.robot.group);
+    this.scene.add(this.scenery.all, this.robot.group);
+    this.cutAway();
     this.invalidate();
   }
 
@@ -111,6 +120,13 @@ export class Stage {
     this.controls.target.copy(HOME_TARGET_M).add(this.base);
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Hides the row that stands between the eye and the robot. */
+  private cutAway(): void {
+    if (!this.scenery) return;
+    this.scenery.left.visible = this.camera.position.y < AISLE_HALF_WIDTH_M;
+    this.scenery.right.visible = this.camera.position.y > -AISLE_HALF_WIDTH_M;
   }
 
   restyle(): void {
@@ -136,7 +152,8 @@ export class Stage {
   }
 
   private readonly tick = (now_ms: number): void => {
-    if (!this.finished(now_ms) || now_ms - this.drawn_ms < MIN_PERIOD_MS - 4) {
+    const early = now_ms - this.drawn_ms < MIN_PERIOD_MS - 4 || now_ms - this.finished_ms < this.rest * this.cost_ms;
+    if (!this.finished(now_ms) || early) {
       requestAnimationFrame(this.tick);
       return;
     }
@@ -158,6 +175,7 @@ export class Stage {
     if (this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) return false;
     this.gl.deleteSync(this.fence);
     this.fence = null;
+    this.finished_ms = now_ms;
     this.cost_ms += 0.2 * (Math.max(0, now_ms - this.fenced_ms) - this.cost_ms);
     return true;
   }
