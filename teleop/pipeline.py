@@ -11,11 +11,12 @@ from dataclasses import dataclass, field, replace
 from robot_sim.commands import RobotCommand
 from teleop.body.tracker import BodyTracker, TrackerState
 from teleop.config import TeleopConfig
+from teleop.control import Control
 from teleop.frames import DepthFrame
 from teleop.inputs import Inputs, RobotRequest
-from teleop.intent import Circumstances, IntentState, interpret
+from teleop.intent import MAX_DT_S, Circumstances, IntentState, interpret
 from teleop.intent_types import Event, Intent
-from teleop.kernel import KernelState, step_kernel
+from teleop.kernel import KernelState, Moment, step_kernel
 from teleop.reasons import Reason
 from teleop.safety import StreamState, no_picture, step_stream
 from teleop.skeleton import Track
@@ -32,7 +33,6 @@ class PipelineState:
     intent: IntentState = field(default_factory=IntentState)
     kernel: KernelState = field(default_factory=KernelState)
     picture: Reason | None = None
-    assume_engaged: bool = False
 
     @property
     def accepted(self) -> bool:
@@ -65,7 +65,8 @@ class Pipeline:
 
     def initial_state(self, assume_engaged: bool = False) -> PipelineState:
         """Nobody seen, nothing commanded. assume_engaged: whoever is seen is in control (offline tracking)."""
-        return PipelineState(tracker=self.tracker.initial_state(), assume_engaged=assume_engaged)
+        intent = IntentState(control=Control(assumed=assume_engaged))
+        return PipelineState(tracker=self.tracker.initial_state(), intent=intent)
 
     def step(
         self, frame: DepthFrame, state: PipelineState, inputs: Inputs = Inputs()
@@ -104,24 +105,20 @@ class Pipeline:
             restarted=stream.restarted,
             reasons=reasons,
         )
-        intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent, state.assume_engaged)
+        intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent)
         return intent, replace(state, intent=after)
 
     def decide(
         self, intent: Intent, state: PipelineState, inputs: Inputs = Inputs()
     ) -> tuple[RobotCommand, PipelineState]:
         """What the robot is told: limited, or held with a reason."""
-        seen = state.intent
-        command, kernel = step_kernel(
-            intent,
-            seen.body if seen.seen_now else None,
-            state.kernel,
-            inputs,
-            state.stream.dt_s,
-            not seen.zone.settled,
-            seen.estop,
-            self.config.intent,
+        sight = state.intent.sight
+        moment = Moment(
+            body=sight.body if sight.seen_now else None,
+            dt_s=min(state.stream.dt_s, MAX_DT_S),
+            zone_settled=state.intent.zone.settled,
+            estop=state.intent.control.estop,
+            head_camera_sweep=state.intent.task.head_camera_sweep,
         )
-        return replace(command, head_camera_sweep=command.head_camera_sweep or seen.task.head_camera_sweep), replace(
-            state, kernel=kernel
-        )
+        command, kernel = step_kernel(intent, moment, state.kernel, inputs.request, self.config.intent)
+        return command, replace(state, kernel=kernel)

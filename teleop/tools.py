@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from robot_sim.commands import Liquid
-from teleop.intent_types import Hand, Hands, Mode
+from teleop.intent_types import Event, Hand, Hands, Mode
 from teleop.reasons import Reason
 
 LIQUIDS: Final = (Liquid.WATER, Liquid.NUTRIENT, Liquid.PESTICIDE)
@@ -60,3 +60,17 @@ def step_tools(state: ToolState, task: Mode, hands: Hands) -> tuple[ToolState, t
     spray_on = hands.right is Hand.OPEN and (state.spray_on or right_rose)
     liquid = LIQUIDS[(LIQUIDS.index(state.liquid) + 1) % len(LIQUIDS)] if left_rose else state.liquid
     return replace(after, spray_on=spray_on, liquid=liquid, cutter_closed=False), tuple(reasons)
+
+
+def tool_events(t_ns: int, before: ToolState, after: ToolState) -> tuple[Event, ...]:
+    """What the tools did at this frame, as events."""
+    events: list[Event] = []
+    if before.spray_on != after.spray_on:
+        events.append(Event(t_ns, "tool", "tool.spray_on" if after.spray_on else "tool.spray_off"))
+    if before.cutter_closed != after.cutter_closed:
+        events.append(Event(t_ns, "tool", "tool.cutter_closed" if after.cutter_closed else "tool.cutter_open"))
+    if before.gripper_open is not after.gripper_open:
+        events.append(Event(t_ns, "tool", "tool.gripper_open" if after.gripper_open else "tool.gripper_closed"))
+    if before.liquid is not after.liquid:
+        events.append(Event(t_ns, "tool", "tool.liquid", str(after.liquid)))
+    return tuple(events)
