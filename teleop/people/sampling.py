@@ -97,7 +97,7 @@ def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
     """
     rng = np.random.default_rng([_SEED[spec.split], 7, seed])
     z = float(rng.uniform(1.2, 4.0))
-    x = float(rng.uniform(-1, 1)) * min(0.9, 0.38 * z)
+    x = float(rng.uniform(-1, 1)) * min(0.9, 0.33 * z)
     people = [_figure(rng, spec.split, x, z)]
     height = float(rng.uniform(0.6, 1.4) if rng.uniform() < 0.85 else rng.uniform(1.4, 2.0))
     tilt = float(np.clip(np.arctan((0.95 - height) / z) + rng.normal(0, 0.08), -0.27, 0.27))

@@ -1,0 +1,123 @@
+"""Motion through key poses: minimum-jerk transitions, walking legs, slight sway. A pure function of time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from teleop.people.pose import DOWN, FORWARD, ArmPose, LegPose, Pose, rotation, unit, yaw
+from teleop.people.rig import Floats
+
+_STEP_M: Final = 0.55
+_SWING_RAD: Final = 0.38
+"""Half the thigh's swing in unhurried walking (Winter 1991: about 40 degrees from end to end)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmKey:
+    """An arm in a key pose: directions (3,) of upper arm, forearm and palm; curl 0 open .. 1 fist."""
+
+    upper: Floats
+    fore: Floats
+    palm: Floats
+    curl: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Key:
+    """Where the operator is at a time: pelvis over (x, z) of the room, turn, arms, angle between the thighs."""
+
+    t_s: float
+    x_m: float
+    z_m: float
+    turn_rad: float
+    right: ArmKey
+    left: ArmKey
+    apart_rad: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """The operator at one instant: pose, place in the room, turn (3, 3), and the hands' curl (right, left)."""
+
+    pose: Pose
+    x_m: float
+    z_m: float
+    turn: Floats
+    curl: tuple[float, float]
+
+
+def minimum_jerk(u: float) -> tuple[float, float]:
+    """Position and velocity, over unit time and distance, of the smoothest reach (Flash and Hogan 1985, eq. 3)."""
+    u = min(1.0, max(0.0, u))
+    return u**3 * (10 + u * (6 * u - 15)), 30 * u**2 * (1 - u) ** 2
+
+
+def _mix_arm(a: ArmKey, b: ArmKey, s: float) -> ArmKey:
+    return ArmKey(
+        unit((1 - s) * a.upper + s * b.upper),
+        unit((1 - s) * a.fore + s * b.fore),
+        unit((1 - s) * a.palm + s * b.palm),
+        (1 - s) * a.curl + s * b.curl,
+    )
+
+
+def _legs(apart: float, swing: float, lift: tuple[float, float], along: Floats) -> tuple[LegPose, LegPose]:
+    """Legs apart to the sides, swung along the walk (one forward, one back), knees lifted in turn."""
+    legs = []
+    for sign, raised in ((1.0, lift[0]), (-1.0, lift[1])):
+        side = np.array([sign * np.tan(apart / 2), 0.0, 0.0])
+        thigh = unit(np.array(DOWN) + side + np.tan(sign * swing + 0.5 * raised) * along)
+        shin = unit(np.array(DOWN) + side + np.tan(sign * swing - 0.6 * raised) * along)
+        legs.append(LegPose(thigh, shin, yaw(-sign * 0.12) @ np.array(FORWARD)))
+    return legs[0], legs[1]
+
+
+class Motion:
+    """A sequence of key poses in order of time."""
+
+    def __init__(self, keys: Sequence[Key], seed: int = 0) -> None:
+        """keys: at least two. seed: phases of the sway."""
+        self.keys = tuple(keys)
+        self._times = np.array([k.t_s for k in keys])
+        steps = [np.hypot(b.x_m - a.x_m, b.z_m - a.z_m) for a, b in pairwise(keys)]
+        self._walked_m = np.concatenate([[0.0], np.cumsum(steps)])
+        self._phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, 8)
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last key."""
+        return float(self._times[-1])
+
+    def at(self, t_s: float) -> Moment:
+        """The operator at a time (before the first and after the last key they stand still)."""
+        i = int(np.clip(np.searchsorted(self._times, t_s, side="right") - 1, 0, len(self.keys) - 2))
+        a, b = self.keys[i], self.keys[i + 1]
+        s, rate = minimum_jerk((t_s - a.t_s) / (b.t_s - a.t_s))
+        dx, dz = b.x_m - a.x_m, b.z_m - a.z_m
+        distance = float(np.hypot(dx, dz))
+        speed = distance * rate / (b.t_s - a.t_s)
+        turn = yaw((1 - s) * a.turn_rad + s * b.turn_rad)
+        along = turn.T @ np.array([dx, 0.0, dz]) / distance if distance > 1e-6 else np.array(FORWARD)
+        stride = np.pi * (self._walked_m[i] + s * distance) / _STEP_M
+        vigour = min(1.0, speed / 0.6)
+        swing = _SWING_RAD * vigour * float(np.sin(stride))
+        lift = tuple(vigour * 0.75 * max(0.0, sign * float(np.cos(stride))) for sign in (1.0, -1.0))
+        legs = _legs((1 - s) * a.apart_rad + s * b.apart_rad, swing, (lift[0], lift[1]), along)
+        sway = 0.012 * np.sin(2 * np.pi * np.array([0.31, 0.23, 0.37, 0.29, 0.9, 1.1, 0.8, 1.3]) * t_s + self._phase)
+        chest = rotation(np.array([1.0, 0.0, 0.0]), float(sway[0])) @ yaw(float(sway[1]) - 0.25 * swing)
+        head = chest @ yaw(-0.6 * ((1 - s) * a.turn_rad + s * b.turn_rad) + float(sway[2]))
+        arms = []
+        for k, (p, q) in enumerate(((a.right, b.right), (a.left, b.left))):
+            key = _mix_arm(p, q, s)
+            shake = np.array([sway[4 + k], sway[6 + k], -0.6 * (1.0 - 2.0 * k) * swing * max(0.0, -key.upper[1]) ** 4])
+            arms.append(
+                ArmPose(unit(key.upper + shake), unit(key.fore + shake), palm=key.palm, curl=key.curl, spread_rad=0.1)
+            )
+        pose = Pose((arms[0], arms[1]), legs, yaw(0.2 * swing), chest, head)
+        x, z = a.x_m + s * dx + 0.4 * float(sway[3]), a.z_m + s * dz
+        return Moment(pose, x, z, turn, (arms[0].curl, arms[1].curl))
