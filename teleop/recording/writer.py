@@ -36,6 +36,8 @@ from teleop.skeleton import Skeleton
 CHUNK_BYTES = 4 << 20
 """Six depth images of 640x480: larger chunks are not smaller on disk, and slow a seek down."""
 FLUSH_NS = 500_000_000
+MAX_T_NS = 2**32 * 1_000_000_000
+"""Foxglove's time stamps hold 32 bits of seconds."""
 
 
 def software_version() -> str:
@@ -195,8 +197,8 @@ class McapWriter:
         """Check the time of a message, flush when due, and put what every chunk repeats at its start."""
         if self._closed:
             raise RecordingError(f"{self.path} is closed already")
-        if t_ns < 0:
-            raise RecordingError(f"times in a recording must not be negative, got {t_ns} ns")
+        if not 0 <= t_ns < MAX_T_NS:
+            raise RecordingError(f"times in a recording must be from 0 to below {MAX_T_NS} ns, got {t_ns} ns")
         first = self._last_flush_ns is None
         if self._last_flush_ns is None or t_ns - self._last_flush_ns >= FLUSH_NS:
             if not first:
