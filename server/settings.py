@@ -34,46 +34,60 @@ def bundled_recordings() -> Path:
 class StreamConfig(Section):
     """What the websocket carries."""
 
-    state_hz: float = Field(30.0, ge=1.0, le=120.0, description="states sent to each client [1/s]")
-    image_hz: float = Field(15.0, ge=1.0, le=60.0, description="depth or colour pictures sent to each client [1/s]")
-    image_width_px: int = Field(320, ge=80, le=1280, description="width of depth and colour pictures [px]")
-    jpeg_quality: int = Field(80, ge=30, le=100, description="JPEG quality of all pictures")
-    depth_near_m: float = Field(0.8, ge=0.1, le=5.0, description="depth drawn in the first colour of the map [m]")
-    depth_far_m: float = Field(4.5, ge=0.5, le=15.0, description="depth drawn in the last colour of the map [m]")
-    head_hz: float = Field(3.0, ge=0.2, le=15.0, description="head camera pictures while somebody looks [1/s]")
-    head_width_px: int = Field(320, ge=80, le=1280, description="width of the head camera picture, 4:3 [px]")
-    max_events: int = Field(500, ge=16, le=100_000, description="unsent events after which a stalled client is closed")
-    max_clients: int = Field(64, ge=1, le=1000, description="clients of the stream at one time")
+    state_hz: float = Field(default=30.0, ge=1.0, le=120.0, description="states sent to each client [1/s]")
+    image_hz: float = Field(
+        default=15.0, ge=1.0, le=60.0, description="depth or colour pictures sent to each client [1/s]"
+    )
+    image_width_px: int = Field(default=320, ge=80, le=1280, description="width of depth and colour pictures [px]")
+    jpeg_quality: int = Field(default=80, ge=30, le=100, description="JPEG quality of all pictures")
+    depth_near_m: float = Field(
+        default=0.8, ge=0.1, le=5.0, description="depth drawn in the first colour of the map [m]"
+    )
+    depth_far_m: float = Field(
+        default=4.5, ge=0.5, le=15.0, description="depth drawn in the last colour of the map [m]"
+    )
+    head_hz: float = Field(default=3.0, ge=0.2, le=15.0, description="head camera pictures while somebody looks [1/s]")
+    head_width_px: int = Field(default=320, ge=80, le=1280, description="width of the head camera picture, 4:3 [px]")
+    max_events: int = Field(
+        default=500, ge=16, le=100_000, description="unsent events after which a stalled client is closed"
+    )
+    max_clients: int = Field(default=64, ge=1, le=1000, description="clients of the stream at one time")
 
 
 class LoopConfig(Section):
     """The engine's own pace; watchdog times belong to teleop's safety."""
 
-    tick_hz: float = Field(30.0, ge=5.0, le=240.0, description="control steps while no frame comes [1/s]")
-    max_step_s: float = Field(0.1, ge=0.01, le=0.5, description="longest stretch simulated for one frame [s]")
-    ledger_frames: int = Field(300, ge=30, le=10_000, description="frames the latency percentiles look back on")
-    reset_robot_on_loop: bool = Field(True, description="put the robot back to its start when a recording loops")
+    tick_hz: float = Field(default=30.0, ge=5.0, le=240.0, description="control steps while no frame comes [1/s]")
+    max_step_s: float = Field(default=0.1, ge=0.01, le=0.5, description="longest stretch simulated for one frame [s]")
+    ledger_frames: int = Field(default=300, ge=30, le=10_000, description="frames the latency percentiles look back on")
+    reset_robot_on_loop: bool = Field(
+        default=True, description="put the robot back to its start when a recording loops"
+    )
 
 
 class UploadConfig(Section):
     """Limits on what a client may send."""
 
-    recording_mb: int = Field(512, ge=1, le=65536, description="largest uploaded recording [MB]")
-    json_kb: int = Field(256, ge=4, le=16384, description="largest JSON body [kB]")
-    frame_kb: int = Field(4096, ge=64, le=65536, description="largest pushed frame [kB]")
+    recording_mb: int = Field(default=512, ge=1, le=65536, description="largest uploaded recording [MB]")
+    json_kb: int = Field(default=256, ge=4, le=16384, description="largest JSON body [kB]")
+    frame_kb: int = Field(default=4096, ge=64, le=65536, description="largest pushed frame [kB]")
 
 
 class Settings(Section):
     """Everything the server can be told."""
 
-    host: str = Field("127.0.0.1", min_length=1, description="address to listen on; beyond loopback it is open to all")
-    port: int = Field(8000, ge=1, le=65535, description="TCP port to listen on")
-    source: str = Field("", description="source URI to start with; empty waits for POST /api/v1/sessions")
-    loop: bool = Field(True, description="start a recorded source again at its end")
-    record: bool = Field(False, description="record the session to the library")
+    host: str = Field(
+        default="127.0.0.1", min_length=1, description="address to listen on; beyond loopback it is open to all"
+    )
+    port: int = Field(default=8000, ge=1, le=65535, description="TCP port to listen on")
+    source: str = Field(default="", description="source URI to start with; empty waits for POST /api/v1/sessions")
+    loop: bool = Field(default=True, description="start a recorded source again at its end")
+    record: bool = Field(default=False, description="record the session to the library")
     library: Path = Field(default_factory=default_library, description="folder of own recordings")
-    model: Path | None = Field(None, description="body model file; the shipped one by default")
-    allowed_origins: tuple[str, ...] = Field((), description="web origins beside the server's own that may connect")
+    model: Path | None = Field(default=None, description="body model file; the shipped one by default")
+    allowed_origins: tuple[str, ...] = Field(
+        default=(), description="web origins beside the server's own that may connect"
+    )
     stream: StreamConfig = Field(default_factory=StreamConfig)
     engine: LoopConfig = Field(default_factory=LoopConfig)
     upload: UploadConfig = Field(default_factory=UploadConfig)

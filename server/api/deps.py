@@ -1,0 +1,45 @@
+"""What the routes need: the engine, the hub and the library of this application, and how to wait for the engine."""
+
+from __future__ import annotations
+
+import asyncio
+from concurrent.futures import Future
+from typing import Annotated, TypeVar
+
+from fastapi import Depends
+from starlette.requests import HTTPConnection
+
+from server.engine.engine import CALL_TIMEOUT_S, Engine
+from server.errors import Refused
+from server.library import Library
+from server.stream.hub import Hub
+
+T = TypeVar("T")
+
+
+def _engine(connection: HTTPConnection) -> Engine:
+    engine: Engine = connection.app.state.engine
+    return engine
+
+
+def _hub(connection: HTTPConnection) -> Hub:
+    hub: Hub = connection.app.state.hub
+    return hub
+
+
+def _library(connection: HTTPConnection) -> Library:
+    library: Library = connection.app.state.library
+    return library
+
+
+EngineDep = Annotated[Engine, Depends(_engine)]
+HubDep = Annotated[Hub, Depends(_hub)]
+LibraryDep = Annotated[Library, Depends(_library)]
+
+
+async def done(future: Future[T]) -> T:
+    """Wait for the engine without blocking the event loop. Raises Refused (503) when it does not answer."""
+    try:
+        return await asyncio.wait_for(asyncio.wrap_future(future), CALL_TIMEOUT_S)
+    except TimeoutError:
+        raise Refused(503, "the engine does not answer; see the server's log and restart it") from None

@@ -1,0 +1,71 @@
+"""The recordings library: list, upload, download, delete."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, UploadFile
+from fastapi.responses import FileResponse
+from pydantic import BaseModel, Field
+
+from server.api.deps import EngineDep, LibraryDep
+from server.api.problems import documented
+from server.errors import Refused
+from server.library import Entry
+from teleop.errors import RecordingError
+
+router = APIRouter(prefix="/recordings", tags=["recordings"])
+
+
+class Recording(BaseModel):
+    """One recording of the library. uri: what POST /sessions takes as its source."""
+
+    id: str
+    name: str
+    uri: str
+    bundled: bool
+    size_bytes: int
+    modified: float = Field(description="Unix time [s]")
+    duration_s: float | None = Field(description="null when the file cannot be read")
+
+
+@router.get("")
+def list_recordings(library: LibraryDep) -> list[Recording]:
+    """Bundled ones first, then the newest."""
+    return [_described(library.duration_s(entry), entry) for entry in library.entries()]
+
+
+@router.post("", status_code=201, responses=documented(409, 413, 422))
+def upload(library: LibraryDep, file: UploadFile) -> Recording:
+    """Take an MCAP recording in under its own file name."""
+    try:
+        entry = library.store(file.filename or "", file.file)
+    except RecordingError as error:
+        raise Refused(422, str(error)) from error
+    return _described(library.duration_s(entry), entry)
+
+
+@router.get("/{recording_id}", response_class=FileResponse, responses=documented(404))
+def download(library: LibraryDep, recording_id: str) -> FileResponse:
+    """The file itself."""
+    entry = library.find(recording_id)
+    return FileResponse(entry.path, media_type="application/octet-stream", filename=entry.path.name)
+
+
+@router.delete("/{recording_id}", status_code=204, responses=documented(403, 404, 409))
+def delete(library: LibraryDep, engine: EngineDep, recording_id: str) -> None:
+    """Remove an own recording; one that is playing or being written is not removed."""
+    session = engine.session
+    if session is not None and recording_id in (session.name, session.recording):
+        raise Refused(409, f"'{recording_id}' is in use; close its session first")
+    library.delete(recording_id)
+
+
+def _described(duration_s: float | None, entry: Entry) -> Recording:
+    return Recording(
+        id=entry.id,
+        name=entry.id.replace("_", " "),
+        uri=entry.id,
+        bundled=entry.bundled,
+        size_bytes=entry.size_bytes,
+        modified=entry.modified_s,
+        duration_s=duration_s,
+    )

@@ -1,0 +1,71 @@
+"""WS /stream: hello, then states, events and pictures; the client says what it wants and what it has painted."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from pydantic import TypeAdapter, ValidationError
+
+from server import wire
+from server.api.deps import EngineDep, HubDep
+from server.engine.engine import Engine
+from server.errors import Refused
+from server.stream.hub import Client, Hub
+
+router = APIRouter()
+_CLIENT_MESSAGE: TypeAdapter[wire.Painted | wire.View] = TypeAdapter(wire.ClientMessage)
+_TRY_LATER = 1013
+_POLICY = 1008
+
+
+@router.websocket("/stream")
+async def stream(socket: WebSocket, engine: EngineDep, hub: HubDep) -> None:
+    """One task sends, this one receives; whichever ends first ends the other."""
+    await socket.accept()
+    try:
+        client = hub.join()
+    except Refused as refusal:
+        await socket.close(_TRY_LATER, refusal.detail)
+        return
+    client.outbox.put_event(engine.hello().model_dump_json())
+    sender = asyncio.create_task(_send(socket, client))
+    receiver = asyncio.create_task(_receive(socket, client, engine, hub))
+    try:
+        await asyncio.wait({sender, receiver}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        hub.leave(client)
+        for task in (sender, receiver):
+            task.cancel()
+        await asyncio.gather(sender, receiver, return_exceptions=True)
+
+
+async def _send(socket: WebSocket, client: Client) -> None:
+    try:
+        while (payload := await client.outbox.get()) is not None:
+            if isinstance(payload, str):
+                await socket.send_text(payload)
+            else:
+                await socket.send_bytes(payload)
+        await socket.close(_POLICY, "events were not read; connect again")
+    except (WebSocketDisconnect, RuntimeError):
+        return  # gone while we were sending
+
+
+async def _receive(socket: WebSocket, client: Client, engine: Engine, hub: Hub) -> None:
+    try:
+        while True:
+            text = await socket.receive_text()
+            try:
+                message = _CLIENT_MESSAGE.validate_json(text)
+            except ValidationError as error:
+                first = error.errors(include_url=False, include_input=False)[0]
+                detail = f"{'.'.join(map(str, first['loc'])) or 'message'}: {first['msg']}; legal types: painted, view"
+                client.outbox.put("error", wire.ErrorMessage(detail=detail).model_dump_json())
+                continue
+            if isinstance(message, wire.Painted):
+                engine.publisher.painted(message.seq)
+            else:
+                hub.view(client, message)
+    except (WebSocketDisconnect, KeyError):
+        return  # closed, or a binary message where only text is legal

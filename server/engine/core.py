@@ -1,0 +1,191 @@
+"""One control step: a frame (or none) in, a command to the robot, everything that happened out. Knows no thread."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from robot_sim.commands import RobotCommand
+from robot_sim.state import RobotState
+from robot_sim.world import World
+from server.engine.filter_delay import filter_delay_s
+from server.engine.ledger import Ledger
+from server.engine.mailbox import Arrived
+from server.engine.pending import Pending
+from server.settings import Settings
+from teleop.body.tracker import BodyTracker
+from teleop.frames import DepthFrame
+from teleop.inputs import Inputs
+from teleop.intent_types import Event, Mode
+from teleop.kernel import apply_request
+from teleop.pipeline import Pipeline, PipelineOutput
+from teleop.reasons import Reason
+from teleop.safety import watchdog
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """What one step did. frame and output belong to the last frame when this step had none (``fresh`` False).
+
+    received_s: when that frame was received, monotonic.
+    """
+
+    frame: DepthFrame | None
+    output: PipelineOutput | None
+    command: RobotCommand
+    robot: RobotState
+    inputs: Inputs
+    events: tuple[Event, ...]
+    received_s: float | None
+    fresh: bool
+
+
+class Core:
+    """Pipeline and robot, stepped by frames and, while none come, by the clock. Used by one thread at a time."""
+
+    def __init__(
+        self,
+        tracker: BodyTracker,
+        world: World,
+        settings: Settings,
+        ledger: Ledger,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.world = world
+        self.pending = Pending()
+        self._tracker = tracker
+        self._ledger = ledger
+        self._clock = clock
+        self._settings = settings
+        self._pipeline = Pipeline(tracker, settings.teleop)
+        self._state = self._pipeline.initial_state()
+        self._last: Moment | None = None
+        self._received_s: float | None = None
+        self._stepped_s = clock()
+        self._silence: tuple[str, ...] = ()
+
+    def configure(self, settings: Settings) -> None:
+        """Take a new configuration over. Perception and intent begin anew; a latched e-stop stays."""
+        self._settings = settings
+        self._tracker = BodyTracker(self._tracker.model, settings.teleop.body)
+        self._pipeline = Pipeline(self._tracker, settings.teleop)
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew with perception and intent (another source). A latched e-stop stays."""
+        self._state = self._pipeline.initial_state()
+        self.pending = Pending(estop=self.world.state().estop)
+        self._last = self._received_s = None
+
+    def estop(self) -> None:
+        """Stop the robot now; the pipeline learns it at its next step."""
+        self.world.estop()
+        self.pending.estop = True
+
+    def estop_reset(self) -> None:
+        """Release the latch; the operator must engage again."""
+        self.world.estop_reset()
+        self.pending.estop = False
+        self.pending.estop_reset = True
+
+    def on_frame(self, arrived: Arrived, live: bool, speed: float) -> Moment:
+        """Track, interpret, decide, move. ``speed`` is the replay's; the robot's time runs with it."""
+        now_s = self._clock()
+        self._ledger.add("capture", now_s - arrived.received_s)
+        if arrived.restarted and self._settings.engine.reset_robot_on_loop and not self.world.state().estop:
+            self.world.reset()
+        inputs = self.pending.take(now_s, round(arrived.received_s * 1e9) if live else None)
+        output = self._run(arrived.frame, inputs)
+        command = output.command
+        if output.accepted:
+            self._received_s, self._silence = arrived.received_s, ()
+        else:
+            command = self._watched(now_s) or command
+        robot = self._move(command, speed)
+        self._last = Moment(
+            arrived.frame, output, command, robot, inputs, output.events, arrived.received_s, fresh=True
+        )
+        return self._last
+
+    def on_silence(self, source_failed: bool, speed: float) -> Moment:
+        """A step without a frame: the last command stands until the watchdog holds, then stops.
+
+        Direct requests (lift, disc, console) still count; a wish to engage is refused: nobody is seen.
+        """
+        now_s = self._clock()
+        last = self._last
+        command = self._watched(now_s)
+        if command is None and last is not None:
+            command = last.command
+        if command is None or source_failed:
+            reason = Reason.SOURCE_FAILED if source_failed else Reason.NO_FRAME_STOP
+            command = RobotCommand(t_ns=self._t_ns, reasons=(reason,))
+        inputs = Inputs(
+            engage=self.pending.engage, request=self.pending.take_request(now_s), source_failed=source_failed
+        )
+        self.pending.engage = False
+        events = self._silence_events(command)
+        if inputs.engage:
+            events = (*events, Event(self._t_ns, "refused", Reason.ENGAGE_NO_PERSON))
+        if inputs.request is not None:
+            command, refusal = self._apply(command, inputs)
+            if refusal is not None:
+                command = replace(command, reasons=(*command.reasons, refusal))
+                events = (*events, Event(self._t_ns, "refused", refusal))
+        robot = self._move(command, speed)
+        frame, output, received_s = (last.frame, last.output, last.received_s) if last else (None, None, None)
+        return Moment(frame, output, command, robot, inputs, events, received_s, fresh=False)
+
+    @property
+    def _t_ns(self) -> int:
+        return self._last.command.t_ns if self._last else 0
+
+    def _run(self, frame: DepthFrame, inputs: Inputs) -> PipelineOutput:
+        begin_s = self._clock()
+        track, state = self._pipeline.perceive(frame, self._state, inputs)
+        tracked_s = self._clock()
+        intent, state = self._pipeline.interpret(frame, track, state, inputs)
+        command, state = self._pipeline.decide(intent, state, inputs)
+        self._state = state
+        self._ledger.add("tracking", tracked_s - begin_s)
+        self._ledger.add("intent", self._clock() - tracked_s)
+        if track.skeleton is not None:
+            velocity = state.tracker.filter.velocity_m_s
+            self._ledger.add("filter", filter_delay_s(velocity, self._settings.teleop.body.filter))
+        return PipelineOutput(track, intent, command, (*intent.events, *state.events), state.accepted)
+
+    def _watched(self, now_s: float) -> RobotCommand | None:
+        """The watchdog's command, with the stream's time, or None while frames come."""
+        received_ns = None if self._received_s is None else round(self._received_s * 1e9)
+        command = watchdog(received_ns, round(now_s * 1e9), self._settings.teleop.intent.safety)
+        return None if command is None else replace(command, t_ns=self._t_ns)
+
+    def _silence_events(self, command: RobotCommand) -> tuple[Event, ...]:
+        """One event when the watchdog (or the source's fault) begins to stop the robot, or stops it harder."""
+        stopping = tuple(code for code in command.reasons if code in _SILENT)
+        if stopping == self._silence or self._last is None:
+            return ()
+        self._silence = stopping
+        return tuple(Event(self._t_ns, "watchdog", code) for code in stopping)
+
+    def _apply(self, command: RobotCommand, inputs: Inputs) -> tuple[RobotCommand, Reason | None]:
+        mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
+        assert inputs.request is not None
+        command, kernel, refusal = apply_request(
+            command, inputs.request, self._state.kernel, mode, self.world.state().estop, self._settings.teleop.intent
+        )
+        self._state = replace(self._state, kernel=kernel)
+        disc_rad = command.disc_rad if inputs.request.disc_rad is None or refusal else inputs.request.disc_rad
+        return replace(command, disc_rad=disc_rad), refusal
+
+    def _move(self, command: RobotCommand, speed: float) -> RobotState:
+        now_s = self._clock()
+        dt_s = min((now_s - self._stepped_s) * speed, self._settings.engine.max_step_s)
+        self._stepped_s = now_s
+        robot = self.world.step(command, dt_s)
+        self._ledger.add("simulation", self._clock() - now_s)
+        return robot
+
+
+_SILENT = frozenset({Reason.NO_FRAME_HOLD, Reason.NO_FRAME_STOP, Reason.SOURCE_FAILED})

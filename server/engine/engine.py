@@ -1,0 +1,243 @@
+"""The engine's thread: takes frames and requests as they come, steps the core, publishes what happened."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import TypeVar
+
+from robot_sim.commands import stop_command
+from robot_sim.world import World
+from server import wire
+from server.engine.core import Core, Moment
+from server.engine.hello import hello
+from server.engine.ledger import Ledger
+from server.engine.mailbox import Arrived, Mailbox
+from server.engine.preview import encoded
+from server.engine.publisher import Publisher
+from server.engine.session import Session, new_session
+from server.errors import Refused
+from server.images_wire import ImageKind
+from server.settings import Settings
+from server.stream.hub import Hub
+from teleop.body.tracker import BodyTracker
+from teleop.frames import Camera
+from teleop.inputs import RobotRequest
+from teleop.sources.base import Source
+
+T = TypeVar("T")
+_KEPT_SESSIONS = 50
+CALL_TIMEOUT_S = 10.0
+"""Longest wait for the engine between two steps; only a dead engine needs more."""
+
+
+class Engine(threading.Thread):
+    """Everything that moves. Its methods may be called from any thread; the work happens in this one."""
+
+    def __init__(self, settings: Settings, tracker: BodyTracker, world: World, hub: Hub) -> None:
+        super().__init__(name="engine", daemon=True)
+        self.ledger = Ledger(settings.engine.ledger_frames)
+        self.publisher = Publisher(hub, self.ledger, settings.stream)
+        self._settings = settings
+        self._hub = hub
+        self._core = Core(tracker, world, settings, self.ledger)
+        self._scenery = world.scenery()
+        self._urdf = world.urdf
+        self._mailbox = Mailbox()
+        self._calls: deque[Callable[[], None]] = deque()
+        self._session: Session | None = None
+        self._sessions: deque[Session] = deque(maxlen=_KEPT_SESSIONS)
+        self._switching = threading.Lock()
+        self._stopping = False
+        self._head_s = 0.0
+        self._reported: str | None = None
+        self.frames = 0
+
+    @property
+    def settings(self) -> Settings:
+        """The settings now in force."""
+        return self._settings
+
+    @property
+    def urdf(self) -> str:
+        """The robot's URDF text."""
+        return self._urdf
+
+    @property
+    def session(self) -> Session | None:
+        """The session that is running."""
+        return self._session
+
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """Running and finished sessions, oldest first."""
+        return tuple(self._sessions)
+
+    @property
+    def dropped(self) -> int:
+        """Frames that a newer one replaced before the engine took them."""
+        return self._mailbox.dropped
+
+    def hello(self) -> wire.Hello:
+        """The first message for a client."""
+        session = self._session
+        return hello(self._settings, session.info.camera if session else Camera(), self._scenery)
+
+    def call(self, work: Callable[[], T]) -> Future[T]:
+        """Run something between two steps, on this thread, as soon as possible."""
+        future: Future[T] = Future()
+
+        def run() -> None:
+            if not future.set_running_or_notify_cancel():
+                return
+            try:
+                future.set_result(work())
+            except BaseException as error:
+                future.set_exception(error)
+                if not isinstance(error, Exception):
+                    raise
+
+        if self._stopping:
+            raise Refused(503, "the server is shutting down")
+        self._calls.append(run)
+        self._mailbox.wake()
+        return future
+
+    def open(self, name: str, source: Source, loop: bool) -> Session:
+        """Switch to an open source; the one before is closed. Blocks until it is done."""
+        with self._switching:
+            session = new_session(name, source, loop, self._mailbox)
+            self._close_session()
+            self.call(lambda: self._begin(session)).result(CALL_TIMEOUT_S)
+            session.reader.start()
+        return session
+
+    def close_session(self, session_id: str) -> None:
+        """End the running session of that id; a finished one stays as it is."""
+        with self._switching:
+            if self._session is not None and self._session.id == session_id:
+                self._close_session()
+
+    def configure(self, settings: Settings) -> Future[None]:
+        """Put settings in force; perception and intent begin anew."""
+
+        def work() -> None:
+            self._core.configure(settings)
+            self._settings = settings
+            self._say_hello()
+            self.publisher.announce("config", "config.changed")
+
+        return self.call(work)
+
+    def engage(self, on: bool) -> Future[None]:
+        """Engage or disengage the operator, as if by gesture."""
+
+        def work() -> None:
+            self._core.pending.engage = on
+            self._core.pending.disengage = not on
+
+        return self.call(work)
+
+    def estop(self, on: bool) -> Future[None]:
+        """Latch the emergency stop, or release it."""
+        return self.call(self._core.estop if on else self._core.estop_reset)
+
+    def ask(self, request: RobotRequest, for_s: float) -> Future[None]:
+        """Direct control; speeds are repeated for ``for_s`` seconds."""
+        return self.call(lambda: self._core.pending.ask(request, time.monotonic() + for_s))
+
+    def head_jpeg(self) -> Future[bytes]:
+        """A picture of the head camera."""
+        return self.call(lambda: self._head_picture(0))
+
+    def stop(self) -> None:
+        """Stop the robot, close source and recording, end the thread."""
+        with self._switching:
+            if self.is_alive():
+                self._close_session()
+            self._stopping = True
+            self._mailbox.wake()
+        if self.is_alive():
+            self.join(5.0)
+
+    def run(self) -> None:
+        """Step until stopped."""
+        self.publisher.start()
+        tick_s = 1.0 / self._settings.engine.tick_hz
+        due_s = time.monotonic()
+        try:
+            while not self._stopping:
+                arrived = self._mailbox.take(due_s - time.monotonic())
+                while self._calls:
+                    self._calls.popleft()()
+                if arrived is not None:
+                    self._publish(self._on_frame(arrived))
+                    due_s = time.monotonic() + 1.5 * tick_s
+                elif time.monotonic() >= due_s:
+                    self._publish(self._on_silence())
+                    due_s = max(due_s + tick_s, time.monotonic())
+        finally:
+            self._stopping = True
+            self._core.world.step(stop_command(0), 0.5)
+            self._core.world.close()
+            self.publisher.stop()
+
+    def _on_frame(self, arrived: Arrived) -> Moment:
+        session = self._session
+        self.frames += 1
+        return self._core.on_frame(
+            arrived, live=session is None or session.info.live, speed=session.speed if session else 1.0
+        )
+
+    def _on_silence(self) -> Moment:
+        session = self._session
+        fault = session.fault if session else None
+        if fault is not None and fault != self._reported:
+            self.publisher.announce("source", "stop.source_failed", fault)
+        self._reported = fault
+        return self._core.on_silence(source_failed=fault is not None, speed=session.speed if session else 1.0)
+
+    def _publish(self, moment: Moment) -> None:
+        self.publisher.publish(moment, self._session)
+        now_s = time.monotonic()
+        if ImageKind.HEAD in self._hub.wanted and now_s - self._head_s >= 1.0 / self._settings.stream.head_hz:
+            self._head_s = now_s
+            self._head_picture(1)
+
+    def _head_picture(self, post: int) -> bytes:
+        config = self._settings.stream
+        width, height = config.head_width_px, config.head_width_px * 3 // 4
+        rgb = self._core.world.head_camera_rgb(width, height)
+        packet = encoded(ImageKind.HEAD, rgb[:, :, ::-1], 0, config.jpeg_quality)
+        if post:
+            self._hub.post_image(packet)
+        return packet.jpeg
+
+    def _begin(self, session: Session) -> None:
+        self._mailbox.clear()
+        self._core.forget()
+        self.ledger.clear()
+        self._session = session
+        self._sessions.append(session)
+        self._say_hello()
+        self.publisher.announce("source", "source.opened", session.name)
+
+    def _close_session(self) -> None:
+        session = self._session
+        if session is None:
+            return
+        session.close()
+
+        def work() -> None:
+            self._mailbox.clear()
+            self._core.forget()
+            self._session = None
+            self.publisher.announce("source", "source.closed", session.name)
+
+        self.call(work).result(CALL_TIMEOUT_S)
+
+    def _say_hello(self) -> None:
+        self._hub.post_event(self.hello().model_dump_json())

@@ -1,0 +1,157 @@
+"""From moments to messages: state at a bounded rate, every event, pictures that somebody looks at."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import OrderedDict, deque
+
+from server import wire
+from server.engine import snapshot
+from server.engine.core import Moment
+from server.engine.ledger import Ledger
+from server.engine.preview import Previewer
+from server.engine.session import Session
+from server.images_wire import ImageKind
+from server.settings import StreamConfig
+from server.stream.hub import Hub
+from teleop.intent_types import Event, Mode, Zone
+from teleop.modes import IN_CONTROL
+
+_REMEMBERED = 600
+_PICTURES = frozenset({ImageKind.DEPTH, ImageKind.COLOR})
+
+
+class Publisher:
+    """Called by the engine's thread; :meth:`painted` and :meth:`latest` by the server's."""
+
+    def __init__(self, hub: Hub, ledger: Ledger, config: StreamConfig) -> None:
+        self._hub = hub
+        self._ledger = ledger
+        self._config = config
+        self._previewer = Previewer(config, hub.post_image)
+        self._lock = threading.Lock()
+        self._received_s: OrderedDict[int, float] = OrderedDict()
+        self._arrivals: deque[float] = deque(maxlen=60)
+        self._seq = 0
+        self._state_s = self._image_s = 0.0
+        self._current: tuple[Moment, Session | None] | None = None
+
+    def start(self) -> None:
+        """Begin encoding pictures."""
+        self._previewer.start()
+
+    def stop(self) -> None:
+        """Stop encoding pictures."""
+        self._previewer.stop()
+
+    def publish(self, moment: Moment, session: Session | None) -> None:
+        """Hand everything new to the clients."""
+        now_s = time.monotonic()
+        if moment.fresh and moment.received_s is not None:
+            self._arrivals.append(moment.received_s)
+        for event in moment.events:
+            self.event(event)
+        with self._lock:
+            self._current = (moment, session)
+        # frames jitter: a state may come a little early rather than a whole frame late
+        if now_s - self._state_s < 0.75 / self._config.state_hz:
+            return
+        self._state_s = now_s
+        self._seq += 1
+        self._images(moment, now_s)
+        if self._hub.count == 0:
+            return
+        if moment.fresh and moment.received_s is not None:
+            with self._lock:
+                self._received_s[self._seq] = moment.received_s
+                while len(self._received_s) > _REMEMBERED:
+                    self._received_s.popitem(last=False)
+        text = self._state(moment, session).model_dump_json()
+        self._ledger.add("encode", time.monotonic() - now_s)
+        self._hub.post_state(text)
+
+    def event(self, event: Event) -> None:
+        """An event for everybody."""
+        self.announce(str(event.kind), str(event.reason), event.detail)
+
+    def announce(self, kind: str, reason: str, detail: str = "") -> None:
+        """An event of the server's own, at this moment."""
+        message = wire.EventMessage(t=round(time.time(), 3), kind=kind, reason=reason, detail=detail)
+        self._hub.post_event(message.model_dump_json())
+
+    def painted(self, seq: int) -> None:
+        """A client has painted the overlay of state ``seq``: one sample of the whole way, way back included."""
+        with self._lock:
+            received_s = self._received_s.pop(seq, None)
+        if received_s is not None:
+            self._ledger.add("total", time.monotonic() - received_s)
+
+    def latest(self) -> wire.State | None:
+        """The present state, or None before the first step."""
+        with self._lock:
+            current = self._current
+        return self._state(*current) if current else None
+
+    def _images(self, moment: Moment, now_s: float) -> None:
+        wanted = self._hub.wanted & _PICTURES
+        if not (wanted and moment.fresh and moment.frame is not None):
+            return
+        if now_s - self._image_s >= 0.75 / self._config.image_hz:
+            self._image_s = now_s
+            self._previewer.offer(moment.frame, self._seq, wanted)
+
+    def _state(self, moment: Moment, session: Session | None) -> wire.State:
+        output = moment.output
+        intent = output.intent if output else None
+        track = output.track if output else None
+        skeleton = None
+        if track is not None and moment.frame is not None:
+            skeleton = snapshot.skeleton_state(track.skeleton, moment.frame.camera)
+        mode = intent.mode if intent else (Mode.STOPPED if moment.robot.estop else Mode.NO_PERSON)
+        spine = intent.spine_xz_m if intent else None
+        return wire.State(
+            seq=self._seq,
+            t=round(time.time(), 3),
+            source=self._source(session),
+            skeleton=skeleton,
+            spine_xz=(round(spine[0], 3), round(spine[1], 3)) if spine else None,
+            floor=snapshot.floor_state(track.floor if track else None),
+            zone=(intent.zone if intent else Zone.NONE).value,
+            mode=mode.value,
+            engaged=mode in IN_CONTROL,
+            engage_progress=round(intent.engage_progress, 3) if intent else 0.0,
+            angles=snapshot.angles_state(intent.angles) if intent else wire.AnglesState(),
+            hands=snapshot.hands_state(intent.hands) if intent else wire.HandsState(),
+            command=snapshot.command_state(moment.command),
+            robot=snapshot.robot_state(moment.robot),
+            reasons=snapshot.merged_reasons(moment.command.reasons, moment.robot.reasons),
+            latency_ms=self._ledger.table(),
+            clients=self._hub.count,
+        )
+
+    def _source(self, session: Session | None) -> wire.SourceState | None:
+        if session is None:
+            return None
+        play = session.playback.state
+        return wire.SourceState(
+            uri=session.name,
+            kind=session.info.kind,
+            live=session.info.live,
+            paused=play.paused,
+            ended=play.ended,
+            position_s=round(play.position_s, 3),
+            duration_s=None if session.info.duration_s is None else round(session.info.duration_s, 3),
+            speed=play.speed,
+            loop=play.loop,
+            fps=self._fps(),
+            recording=session.recording is not None,
+            fault=session.fault,
+        )
+
+    def _fps(self) -> float:
+        """Frames per second over the last two seconds of arrivals."""
+        since = time.monotonic() - 2.0
+        recent = [s for s in list(self._arrivals) if s >= since]
+        span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
+        return round((len(recent) - 1) / span, 1) if span > 0 else 0.0

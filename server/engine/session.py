@@ -1,0 +1,51 @@
+"""One session: a source being read, its replay controls, perhaps its recording."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from dataclasses import dataclass
+
+from server.engine.mailbox import Mailbox
+from server.engine.playback import Playback
+from server.engine.reader import Reader
+from teleop.sources.base import Source, SourceInfo
+
+
+@dataclass(eq=False)
+class Session:
+    """Made by :func:`open_session`. started, ended: Unix time [s]. name: what the client asked for."""
+
+    id: str
+    name: str
+    source: Source
+    info: SourceInfo
+    playback: Playback
+    reader: Reader
+    started: float
+    ended: float | None = None
+    recording: str | None = None
+
+    @property
+    def fault(self) -> str | None:
+        """Why the source gives no more frames."""
+        return self.reader.fault
+
+    @property
+    def speed(self) -> float:
+        """How fast the robot's time runs: the replay's speed, 1 while it stands or is live."""
+        state = self.playback.state
+        return 1.0 if self.info.live or state.paused or state.ended else state.speed
+
+    def close(self) -> None:
+        """Stop reading and free the source; safe to call twice."""
+        self.reader.stop()
+        if self.ended is None:
+            self.ended = time.time()
+
+
+def new_session(name: str, source: Source, loop: bool, mailbox: Mailbox) -> Session:
+    """A session over an open source; nothing is read until its reader is started."""
+    playback = Playback(loop, source.info.duration_s)
+    reader = Reader(source, playback, mailbox)
+    return Session(uuid.uuid4().hex[:12], name, source, source.info, playback, reader, started=time.time())

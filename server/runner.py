@@ -1,0 +1,86 @@
+"""Starts everything in the right order, serves until told to stop, and stops everything in the reverse order."""
+
+from __future__ import annotations
+
+import errno
+import signal
+import socket
+from collections.abc import Callable
+
+import uvicorn
+
+from server.errors import ServerError
+from server.settings import Settings
+
+Tell = Callable[[str], None]
+_SEND_BUFFER = 1 << 18
+"""Bytes the kernel holds back for one slow client; more would only be old pictures."""
+
+
+def listen(settings: Settings) -> socket.socket:
+    """Bind the port before anything heavy is loaded. Raises ServerError: busy, not allowed, no such address."""
+    host, port = settings.host, settings.port
+    try:
+        family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        listener = socket.socket(family, kind, proto)
+        try:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
+            listener.bind(address)
+            listener.listen(128)
+        except OSError:
+            listener.close()
+            raise
+    except socket.gaierror:
+        raise ServerError(f"'{host}' is no address of this computer; use --host 127.0.0.1 or --host 0.0.0.0") from None
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            raise ServerError(f"port {port} is in use; stop what uses it or choose another one with --port") from None
+        raise ServerError(f"cannot listen on {host} port {port}: {error.strerror}; choose another --port") from None
+    return listener
+
+
+def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
+    """Load, run until Ctrl-C or SIGTERM, shut down. Raises TeleopError when the source or the model is wrong."""
+    tell("loading")
+    from robot_sim.world import World
+    from server.app import create_app
+    from server.engine.engine import Engine
+    from server.library import Library
+    from server.opening import open_path
+    from server.settings import bundled_recordings
+    from server.stream.hub import Hub
+    from teleop.body.model import load_model
+    from teleop.body.tracker import BodyTracker
+    from teleop.sources import open_source
+
+    if settings.source:
+        open_source(settings.source).close()
+    tell("reading the body model")
+    tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
+    tell("building the greenhouse")
+    world = World(settings.robot)
+    hub = Hub(settings.stream.max_clients, settings.stream.max_events)
+    library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
+    engine = Engine(settings, tracker, world, hub)
+    engine.start()
+    try:
+        if settings.source:
+            tell("compiling kernels (a minute the first time)")
+            open_path(engine, settings.source, loop=settings.loop, record=settings.record)
+        app = create_app(engine, hub, library, settings)
+        config = uvicorn.Config(
+            app,
+            log_level="warning",
+            access_log=False,
+            ws_max_size=settings.upload.frame_kb * 1000,
+            timeout_graceful_shutdown=2,
+            lifespan="on",
+        )
+        # uvicorn raises the signal again when it is done; ending well is not an error
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: None)
+        tell("")
+        uvicorn.Server(config).run(sockets=[listener])
+    finally:
+        engine.stop()
