@@ -71,6 +71,11 @@ export function fitCanvas(canvas: HTMLCanvasElement, max_ratio = 2): boolean {
   return true;
 }
 
+/** So many root font sizes in pixels. */
+export function rem(count: number): number {
+  return count * Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
+}
+
 /** Value of a CSS custom property of the page, such as `--accent`. */
 export function cssColor(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();

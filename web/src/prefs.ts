@@ -1,7 +1,7 @@
 /** The operator's choices on this machine: theme, language, sound, picture. */
 
 import type { Language } from "./i18n";
-import type { ImageChoice } from "./words";
+import type { ImageChoice } from "./wire";
 
 export interface Preferences {
   theme: "dark" | "light";

@@ -1,12 +1,5 @@
-/** Names for single fields of the wire, and the kinds of binary messages (server/images_wire.py). */
+/** Words used across panels beside those of the wire. Image kinds as in server/images_wire.py. */
 
-import type { HandsState, RobotWire, State, View } from "./wire";
-
-export type Mode = State["mode"];
-export type Zone = State["zone"];
-export type Hand = HandsState["right"];
-export type Liquid = RobotWire["liquid"];
-export type ImageChoice = View["image"];
 export type Side = "right" | "left";
 
 export const SIDES: readonly Side[] = ["right", "left"];

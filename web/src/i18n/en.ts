@@ -80,6 +80,9 @@ export const en = {
   "camera.nobody": "Nobody in view",
 
   "floor.sensor": "sensor",
+  "floor.turn": "turn",
+  "floor.turn.left": "left",
+  "floor.turn.right": "right",
   "floor.left": "your left",
   "floor.right": "your right",
   "floor.stop": "everything stops",
@@ -92,7 +95,7 @@ export const en = {
   "scene.loading": "Loading the robot",
   "scene.nowebgl": "This browser offers no WebGL; the 3-D view is off, everything else works.",
   "scene.failed": "The robot could not be loaded: {detail}",
-  "scene.triangles": "{count} triangles, {ms} ms",
+  "scene.triangles": "{count} triangles in {ms} ms",
 
   "arm.right": "Right arm",
   "arm.left": "Left arm",
@@ -228,5 +231,8 @@ export const en = {
   "reason.mode.resumed": "Resumed",
   "reason.mode.operator_changed": "Another operator",
   "reason.mode.stream_restarted": "The recording started anew",
+  "reason.source.opened": "Source opened",
+  "reason.source.closed": "Source closed",
+  "reason.config.changed": "Settings changed",
   "reason.mode.estop_reset": "Emergency stop reset",
 } as const;

@@ -75,6 +75,9 @@ export const zh: Record<keyof typeof en, string> = {
   "image.head": "头部相机",
   "camera.nobody": "画面中无人",
   "floor.sensor": "传感器",
+  "floor.turn": "转向",
+  "floor.turn.left": "左",
+  "floor.turn.right": "右",
   "floor.left": "您的左侧",
   "floor.right": "您的右侧",
   "floor.stop": "全部停止",
@@ -213,5 +216,8 @@ export const zh: Record<keyof typeof en, string> = {
   "reason.mode.resumed": "已恢复",
   "reason.mode.operator_changed": "更换操作者",
   "reason.mode.stream_restarted": "录制重新开始",
+  "reason.source.opened": "信号源已打开",
+  "reason.source.closed": "信号源已关闭",
+  "reason.config.changed": "设置已更改",
   "reason.mode.estop_reset": "急停已复位",
 };

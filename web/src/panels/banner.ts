@@ -113,6 +113,7 @@ export class Banner implements Panel {
     // A tiny negative speed must not flicker between 0.00 and -0.00.
     this.drive.set(`${tidy(drive_m_s)} m/s  ${tidy((turn_rad_s * 180) / Math.PI, 0)}°/s`);
     this.engaged = state.engaged;
+    if (this.reset.disabled === estop) this.reset.disabled = !estop;
     this.engageText.set(t(state.engaged ? "button.disengage" : "button.engage"));
   }
 }

@@ -5,8 +5,8 @@ import { t, titled, translated } from "../i18n";
 import { icon } from "../icons";
 import { type Panel, frame } from "../panel";
 import { prefs, savePrefs } from "../prefs";
-import { COLOR_IMAGE, DEPTH_IMAGE, HEAD_IMAGE, type ImageChoice, SIDES, type Side } from "../words";
-import type { Hello, State } from "../wire";
+import { COLOR_IMAGE, DEPTH_IMAGE, HEAD_IMAGE, SIDES, type Side } from "../words";
+import type { Hello, ImageChoice, State } from "../wire";
 
 /** The operator's right and left keep one colour each on the whole screen (Okabe and Ito, safe for the colour-blind). */
 const SIDE_COLORS: Record<Side | "center", string> = { right: "#f0a83c", left: "#5cb8f0", center: "#dfe9e2" };

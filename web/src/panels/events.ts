@@ -4,7 +4,6 @@ import { h } from "../dom";
 import { reasonText, t } from "../i18n";
 import { type Panel, frame } from "../panel";
 import type { EventMessage } from "../wire";
-import { clock } from "./replay";
 
 const KEPT = 80;
 
@@ -38,5 +37,10 @@ function entry(event: EventMessage): HTMLElement {
   const family = event.reason.split(".")[0] ?? event.kind;
   const text = h("span", {}, reasonText(event.reason));
   if (event.detail) text.append(" ", h("small", {}, event.detail));
-  return h("li", { "data-family": family, "data-reason": event.reason }, h("time", {}, clock(event.t)), text);
+  return h("li", { "data-family": family, "data-reason": event.reason }, h("time", {}, timeOfDay(event.t)), text);
+}
+
+/** Local wall-clock time of a Unix time stamp. */
+function timeOfDay(unix_s: number): string {
+  return new Date(1000 * unix_s).toLocaleTimeString("en-GB");
 }

@@ -6,8 +6,7 @@
 import { Attribute, Text, h, s } from "../dom";
 import { type Key, t, translated } from "../i18n";
 import { type Panel, frame } from "../panel";
-import type { Hello, State, ZoneInfo } from "../wire";
-import type { Zone } from "../words";
+import type { Hello, State, Zone, ZoneInfo } from "../wire";
 
 const TRAIL_POINTS = 90;
 const FAR_M = 3.75;
@@ -21,6 +20,7 @@ export class FloorPanel implements Panel {
     role: "img",
   });
   private readonly areas = new Map<Zone, SVGElement>();
+  private readonly margin = s("rect", { class: "floor-margin", visibility: "hidden" });
   private readonly trail = s("polyline", { class: "floor-trail" });
   private readonly dot = s("g", { class: "floor-dot", visibility: "hidden" });
   private readonly place = new Attribute(this.dot, "transform");
@@ -29,6 +29,7 @@ export class FloorPanel implements Panel {
   private readonly xz = new Float64Array(2 * TRAIL_POINTS);
   private count = 0;
   private lit: Zone | null = null;
+  private hysteresis_m = 0;
 
   constructor() {
     const { element, tools } = frame("floor", "panel.floor", h("div", { class: "floor-box" }));
@@ -46,6 +47,7 @@ export class FloorPanel implements Panel {
     const zones = hello.zones;
     this.map.replaceChildren();
     this.areas.clear();
+    this.hysteresis_m = zones.hysteresis_m;
     const [near, work, back, far] = zones.depth_cuts_m;
     const center = zones.center_half_width_m;
     const side = zones.side_limit_m;
@@ -54,8 +56,8 @@ export class FloorPanel implements Panel {
     this.area("back", -center, back, center, far);
     this.area("left", -side, near, -center, far);
     this.area("right", center, near, side, far);
-    this.label("floor.pick", 0, back - 0.17, "small");
-    this.label("floor.spray", 0, back - 0.06, "small");
+    this.label("floor.pick", 0, back - 0.16, "small");
+    this.label("floor.spray", 0, back - 0.05, "small");
     this.label("floor.stop", 0, near - 0.3, "stop");
     this.label("floor.stop", 0, far + 0.2, "stop");
     this.label("floor.left", -(side + center) / 2 - 0.05, near - 0.06, "small");
@@ -64,6 +66,7 @@ export class FloorPanel implements Panel {
     this.map.append(
       s("path", { class: "floor-view", d: `M0 0 L${-HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)} M0 0 L${HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)}` }),
       s("rect", { class: "floor-sensor", x: -0.22, y: -0.07, width: 0.44, height: 0.12, rx: 0.03 }),
+      this.margin,
       this.trail,
       this.dot,
     );
@@ -71,13 +74,17 @@ export class FloorPanel implements Panel {
     this.lit = null;
   }
 
-  private area(zone: Zone, x0: number, z0: number, x1: number, z1: number): void {
+  private area(zone: Exclude<Zone, "none" | "out">, x0: number, z0: number, x1: number, z1: number): void {
     const box = s("rect", { class: "floor-zone", "data-zone": zone, x: x0, y: z0, width: x1 - x0, height: z1 - z0 });
     this.areas.set(zone, box);
-    const sideways = zone === "left" || zone === "right";
-    const y = zone === "work" ? z0 + 0.26 : (z0 + z1) / 2 + 0.05;
     this.map.append(box);
-    this.label(`zone.${zone}`, (x0 + x1) / 2, y, zone === "work" ? "large" : sideways ? "turn" : "");
+    const x = (x0 + x1) / 2;
+    const y = (z0 + z1) / 2 + 0.05;
+    if (zone === "left" || zone === "right") {
+      this.label("floor.turn", x, y - 0.08, "");
+      this.label(`floor.turn.${zone}`, x, y + 0.08, "");
+    } else if (zone === "work") this.label("zone.work", x, z0 + 0.26, "large");
+    else this.label(`zone.${zone}`, x, y, "");
   }
 
   private label(key: Key, x: number, y: number, kind: string): void {
@@ -95,11 +102,7 @@ export class FloorPanel implements Panel {
 
   state(state: State): void {
     const zone = state.zone;
-    if (zone !== this.lit) {
-      if (this.lit) this.areas.get(this.lit)?.classList.remove("lit");
-      this.areas.get(zone)?.classList.add("lit");
-      this.lit = zone;
-    }
+    if (zone !== this.lit) this.light(zone);
     const at = state.spine_xz;
     this.shown.set(at ? "visible" : "hidden");
     if (at) {
@@ -113,6 +116,20 @@ export class FloorPanel implements Panel {
       const { camera_height_m, tilt_deg } = state.floor;
       this.note.set(t("floor.height", { height: camera_height_m.toFixed(2), tilt: tilt_deg.toFixed(1) }));
     } else this.note.set("");
+  }
+
+  /** Lights the zone, with the border that has to be crossed to leave it. */
+  private light(zone: Zone): void {
+    if (this.lit) this.areas.get(this.lit)?.classList.remove("lit");
+    this.lit = zone;
+    const area = this.areas.get(zone);
+    area?.classList.add("lit");
+    this.margin.setAttribute("visibility", area ? "visible" : "hidden");
+    if (!area) return;
+    const grow = { x: -1, y: -1, width: 2, height: 2 };
+    for (const [name, times] of Object.entries(grow)) {
+      this.margin.setAttribute(name, String(Number(area.getAttribute(name)) + times * this.hysteresis_m));
+    }
   }
 
   /** Keeps the last places, one every few centimetres, so that standing still leaves no knot. */

@@ -1,7 +1,7 @@
 /** Angles over the last 20 seconds. */
 
 import uPlot from "uplot";
-import { cssColor, h } from "../dom";
+import { cssColor, h, rem } from "../dom";
 import { translated } from "../i18n";
 import { type Panel, frame } from "../panel";
 import type { AnglesState, State } from "../wire";
@@ -69,7 +69,7 @@ export class PlotsPanel implements Panel {
       stroke: cssColor("--muted"),
       grid: { stroke: cssColor("--line"), width: 1 },
       ticks: { show: false },
-      font: `11px ${cssColor("--font")}`,
+      font: `${rem(0.78)}px ${cssColor("--font")}`,
     };
     const series = GROUPS[this.group].map((name, i) => ({
       label: LABELS[name],
@@ -82,14 +82,14 @@ export class PlotsPanel implements Panel {
       height: Math.max(80, this.box.clientHeight),
       cursor: { show: false },
       legend: { show: false },
-      padding: [10, 8, 0, 0],
+      padding: [rem(0.6), rem(1), 0, 0],
       scales: {
         x: { time: false, range: (_plot, _min, max) => [max - WINDOW_S, max] },
         y: { range: this.group === "legs" ? [0, 45] : [0, 180] },
       },
       axes: [
-        { ...axis, size: 24, values: (plot, ticks) => ticks.map((tick) => `${(tick - (plot.scales["x"]?.max ?? 0)).toFixed(0)} s`), splits: (plot) => everyFive(plot) },
-        { ...axis, size: 38, values: (_plot, ticks) => ticks.map((tick) => `${tick}°`), splits: () => (this.group === "legs" ? [0, 12, 14, 30, 45] : [0, 45, 90, 135, 180]) },
+        { ...axis, size: rem(1.7), values: (plot, ticks) => ticks.map((tick) => `${(tick - (plot.scales["x"]?.max ?? 0)).toFixed(0)} s`), splits: (plot) => everyFive(plot) },
+        { ...axis, size: rem(2.7), values: (_plot, ticks) => ticks.map((tick) => `${tick}°`), splits: () => (this.group === "legs" ? [0, 12, 14, 30, 45] : [0, 45, 90, 135, 180]) },
       ],
       series: [{}, ...series],
       hooks: { draw: [(plot) => this.names(plot)] },
@@ -101,12 +101,12 @@ export class PlotsPanel implements Panel {
   private names(plot: uPlot): void {
     const ratio = uPlot.pxRatio;
     plot.ctx.save();
-    plot.ctx.font = `600 ${12 * ratio}px ${cssColor("--font")}`;
+    plot.ctx.font = `600 ${rem(0.85) * ratio}px ${cssColor("--font")}`;
     plot.ctx.textAlign = "left";
     plot.ctx.textBaseline = "top";
     GROUPS[this.group].forEach((name, i) => {
       plot.ctx.fillStyle = cssColor(COLORS[i] ?? "--muted");
-      plot.ctx.fillText(LABELS[name], plot.bbox.left + (8 + 30 * i) * ratio, plot.bbox.top + 2 * ratio);
+      plot.ctx.fillText(LABELS[name], plot.bbox.left + rem(0.6 + 2.2 * i) * ratio, plot.bbox.top + 2 * ratio);
     });
     plot.ctx.restore();
   }

@@ -15,6 +15,7 @@ export class ScenePanel implements Panel {
   private readonly homeButton = translated(h("button", { class: "chip", type: "button" }), "scene.home");
   private stage: Stage | null = null;
   private loading: Promise<Stage | null> | null = null;
+  private shown = "";
 
   constructor() {
     const { element, tools } = frame("scene", "panel.scene", this.box);
@@ -50,7 +51,10 @@ export class ScenePanel implements Panel {
     try {
       const response = await fetch(hello.urdf_url);
       if (!response.ok) throw new TypeError(`${response.status} ${response.statusText}`);
-      stage.build(await response.text(), hello);
+      const urdf = await response.text();
+      const what = urdf + JSON.stringify(hello.scenery);
+      if (what !== this.shown) stage.build(urdf, hello); // a new source brings the same robot again
+      this.shown = what;
       this.note.set("");
     } catch (error) {
       if (!(error instanceof TypeError)) throw error;

@@ -1,13 +1,16 @@
 /** The robot from its URDF, and a ghost of the set-points its arms are moving to. */
 
-import { CircleGeometry, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, type Object3D } from "three";
+import { Group, Mesh, MeshLambertMaterial, type Object3D } from "three";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
 import type { RobotWire } from "../wire";
 import { mergeLink } from "./merge";
+import { Shadow } from "./shadow";
+import { Spray } from "./spray";
 
 /** A difference the eye cannot see in this view. */
 const STILL_RAD = 5e-4;
 const GHOST_FROM_RAD = 0.05;
+const SPRAYER = "rear_tool";
 const ARM_JOINT = /^(right|left|rear)_/;
 
 export class RobotModel {
@@ -16,10 +19,8 @@ export class RobotModel {
   private readonly ghost: URDFRobot;
   private readonly materials = new Map<number, MeshLambertMaterial>();
   private readonly ghostMaterial = new MeshLambertMaterial({ color: 0x8fe3b8, transparent: true, opacity: 0.3, depthWrite: false });
-  private readonly shadow = new Mesh(
-    new CircleGeometry(0.62, 28),
-    new MeshBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.28, depthWrite: false }),
-  );
+  private readonly shadow = new Shadow();
+  private readonly spray = new Spray();
 
   constructor(urdf: string) {
     const loader = new URDFLoader();
@@ -36,8 +37,8 @@ export class RobotModel {
       }
     }
     this.ghost.visible = false;
-    this.shadow.position.z = 0.012;
-    this.group.add(this.shadow, this.robot, this.ghost);
+    this.robot.links[SPRAYER]?.add(this.spray.mesh);
+    this.group.add(this.shadow.mesh, this.robot, this.ghost);
   }
 
   private material(opacity: number): MeshLambertMaterial {
@@ -55,6 +56,7 @@ export class RobotModel {
     for (const name in state.joints) {
       changed = setJoint(this.robot, name, state.joints[name] ?? 0) || changed;
     }
+    changed = this.spray.set(state.spray_on, state.liquid) || changed;
     return this.setGhost(state) || changed;
   }
 
@@ -88,7 +90,8 @@ export class RobotModel {
   dispose(): void {
     for (const material of this.materials.values()) material.dispose();
     this.ghostMaterial.dispose();
-    this.shadow.material.dispose();
+    this.shadow.dispose();
+    this.spray.dispose();
     this.group.traverse((object) => {
       if (object instanceof Mesh) object.geometry.dispose();
     });
