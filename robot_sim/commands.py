@@ -54,6 +54,8 @@ class RobotCommand:
     spray_on: bool = False
     liquid: Liquid | None = None
     head_camera_sweep: bool = False
+    stand_still: bool = False
+    """Drop every goal not yet reached and brake; without it, None lets a joint finish its way to its last target."""
     reasons: tuple[str, ...] = ()
     """Reason codes of everything that was clamped, held, refused or stopped (robot_sim.reasons, teleop.reasons)."""
 
@@ -64,4 +66,4 @@ class RobotCommand:
 
 def stop_command(t_ns: int, *reasons: str) -> RobotCommand:
     """Everything stands still: chassis and spray off, all else held."""
-    return RobotCommand(t_ns=t_ns, reasons=reasons)
+    return RobotCommand(t_ns=t_ns, stand_still=True, reasons=reasons)

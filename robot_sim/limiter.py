@@ -1,8 +1,8 @@
 """The robot's own limiter: from what is wanted to set-points that joints and tracks can follow; pure.
 
 Two halves: ``resolve`` reads a command once (range, NaN, locks) into goals, ``advance`` moves the set-points one
-tick towards them with bounded speed and acceleration; ``limit`` is both. A joint's goal of None means stand still:
-brake and stay, which is what ``None`` in a command says.
+tick towards them with bounded speed and acceleration; ``limit`` is both. ``None`` in a command keeps the goal a joint
+has: one request moves the lift all the way. Standing still (stop, emergency stop) drops the goals and brakes.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from math import copysign, isfinite, sqrt
 
-from robot_sim.actuators import JOINT_INDEX, axes
+from robot_sim.actuators import JOINT_INDEX, JOINTS, axes
 from robot_sim.arm_angles import joint_rad
 from robot_sim.commands import ARM_NAMES, Liquid, RobotCommand
 from robot_sim.config import AxisLimits, RobotConfig
@@ -21,10 +21,14 @@ _AT_REST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Setpoints:
-    """What the motors follow now. position, velocity: one per robot_sim.actuators.JOINTS [rad or m, per second]."""
+    """What the motors follow now, one value per robot_sim.actuators.JOINTS.
+
+    position, velocity: [rad or m, per second]. goal: where the joint is bound for; None, to stand still.
+    """
 
     position: tuple[float, ...]
     velocity: tuple[float, ...]
+    goal: tuple[float | None, ...]
     drive_m_s: float = 0.0
     turn_rad_s: float = 0.0
     gripper_open: bool = True
@@ -37,7 +41,7 @@ class Setpoints:
 
 @dataclass(frozen=True, slots=True)
 class Goals:
-    """A command inside the limits. position: one per joint, None = stand still. reasons: what was changed."""
+    """A command inside the limits. position: one per joint, None = as before. reasons: what was changed."""
 
     position: tuple[float | None, ...]
     drive_m_s: float
@@ -47,13 +51,14 @@ class Goals:
     spray_on: bool
     liquid: Liquid | None
     sweep: bool
+    stand_still: bool
     reasons: tuple[str, ...]
 
 
 def home_setpoints(config: RobotConfig) -> Setpoints:
     """Arms hanging down, gripper open, everything at rest."""
     home = tuple(axis.home for axis in axes(config))
-    return Setpoints(position=home, velocity=(0.0,) * len(home))
+    return Setpoints(position=home, velocity=(0.0,) * len(home), goal=(None,) * len(home))
 
 
 def limit(
@@ -91,9 +96,10 @@ def resolve(wanted: RobotCommand, config: RobotConfig) -> Goals:
     for name, value in asked.items():
         i = JOINT_INDEX[name]
         limits = all_axes[i].limits
-        goal[i] = min(max(value, limits.lower), limits.upper)
-        # half a servo step of a tenth of a degree is rounding, not a limit
-        if abs(value - (goal[i] or 0.0)) > 1e-3:
+        inside = min(max(value, limits.lower), limits.upper)
+        goal[i] = inside
+        # less than a tenth of a degree is rounding
+        if abs(value - inside) > 1e-3:
             reasons[RobotReason.JOINT_LIMIT] = None
     speeds = []
     for value, most in (
@@ -114,10 +120,12 @@ def resolve(wanted: RobotCommand, config: RobotConfig) -> Goals:
         spray_on=wanted.spray_on,
         liquid=wanted.liquid,
         sweep=wanted.head_camera_sweep,
+        stand_still=wanted.stand_still,
         reasons=tuple(reasons),
     )
 
 
+_DISC, _PAN = JOINT_INDEX["disc"], JOINT_INDEX["head_pan"]
 _LOCKED_BY_DISC = tuple(
     i for name, i in JOINT_INDEX.items() if name not in ("lift", "disc", "head_pan") and not name.startswith("gripper")
 )
@@ -127,39 +135,43 @@ _LOCKED_BY_DISC = tuple(
 def advance(previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig) -> tuple[Setpoints, tuple[str, ...]]:
     """Move the set-points by one tick; speeds, accelerations and locks hold whatever the goals are."""
     reasons = dict.fromkeys(goals.reasons)
-    wanted = list(goals.position)
-    turning = disc_turning(previous, goals, config)
+    still = goals.stand_still or previous.estop
+    goal: list[float | None] = [None] * len(JOINTS)
+    if not still:
+        goal = [kept if new is None else new for new, kept in zip(goals.position, previous.goal, strict=True)]
+    turning = _disc_turns(previous, goal[_DISC], config)
     sweep_sign = previous.sweep_sign
-    pan = JOINT_INDEX["head_pan"]
-    if goals.sweep:
+    goal[_PAN] = None
+    if goals.sweep and not still:
         span = config.body.head_pan
-        if previous.position[pan] >= span.upper - _AT_REST:
+        if previous.position[_PAN] >= span.upper - _AT_REST:
             sweep_sign = -1.0
-        elif previous.position[pan] <= span.lower + _AT_REST:
+        elif previous.position[_PAN] <= span.lower + _AT_REST:
             sweep_sign = 1.0
-        wanted[pan] = span.upper if sweep_sign > 0.0 else span.lower
+        goal[_PAN] = span.upper if sweep_sign > 0.0 else span.lower
+    followed = list(goal)
     if turning:
         for i in _LOCKED_BY_DISC:
-            wanted[i] = None
+            followed[i] = None
         reasons[RobotReason.DISC_TURNING] = None
     if previous.estop:
-        wanted = [None] * len(wanted)
         reasons[RobotReason.ESTOP] = None
     position, velocity = [], []
-    for axis, p, v, goal in zip(axes(config), previous.position, previous.velocity, wanted, strict=True):
-        p, v = _advance_joint(p, v, goal, axis.limits, dt_s)
+    for axis, p, v, bound_for in zip(axes(config), previous.position, previous.velocity, followed, strict=True):
+        p, v = _advance_joint(p, v, bound_for, axis.limits, dt_s)
         if abs(v) >= axis.limits.speed - _AT_REST:
             reasons[RobotReason.JOINT_SPEED] = None
         position.append(p)
         velocity.append(v)
-    locked = turning or previous.estop
+    locked = turning or still
     drive, turn = _advance_chassis(previous, goals, dt_s, config, reasons)
     setpoints = Setpoints(
         position=tuple(position),
         velocity=tuple(velocity),
+        goal=tuple(goal),
         drive_m_s=drive,
         turn_rad_s=turn,
-        gripper_open=previous.gripper_open if goals.gripper_open is None or previous.estop else goals.gripper_open,
+        gripper_open=previous.gripper_open if goals.gripper_open is None or still else goals.gripper_open,
         cutter_closed=previous.cutter_closed if goals.cutter_closed is None or locked else goals.cutter_closed,
         spray_on=goals.spray_on and not locked,
         liquid=goals.liquid or previous.liquid,
@@ -169,12 +181,10 @@ def advance(previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig)
     return setpoints, tuple(reasons)
 
 
-def disc_turning(previous: Setpoints, goals: Goals, config: RobotConfig) -> bool:
+def _disc_turns(previous: Setpoints, goal_rad: float | None, config: RobotConfig) -> bool:
     """Whether the disc is under way or about to be."""
-    disc = JOINT_INDEX["disc"]
-    goal = goals.position[disc]
-    under_way = abs(previous.velocity[disc]) > _AT_REST
-    return under_way or (goal is not None and abs(goal - previous.position[disc]) > config.disc_still_rad)
+    under_way = abs(previous.velocity[_DISC]) > _AT_REST
+    return under_way or (goal_rad is not None and abs(goal_rad - previous.position[_DISC]) > config.disc_still_rad)
 
 
 def latch_estop(previous: Setpoints, on: bool) -> Setpoints:
@@ -203,15 +213,16 @@ def _advance_joint(p: float, v: float, goal: float | None, limits: AxisLimits, d
 def _advance_chassis(
     previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig, reasons: dict[str, None]
 ) -> tuple[float, float]:
-    """Drive and turn speeds with bounded acceleration; an emergency stop brakes harder than driving does."""
+    """Drive and turn speeds with bounded acceleration; a stop brakes harder than driving does."""
     chassis = config.chassis
     pairs = (
         (previous.drive_m_s, goals.drive_m_s, chassis.drive_m_s2, chassis.stop_m_s2),
         (previous.turn_rad_s, goals.turn_rad_s, chassis.turn_rad_s2, chassis.stop_rad_s2),
     )
+    stopping = previous.estop or goals.stand_still
     speeds = []
     for now, goal, rate, stop_rate in pairs:
-        goal, rate = (0.0, stop_rate) if previous.estop else (goal, rate)
+        goal, rate = (0.0, stop_rate) if stopping else (goal, rate)
         step = rate * dt_s
         if abs(goal - now) > step:
             reasons[RobotReason.CHASSIS_ACCELERATION] = None

@@ -17,9 +17,10 @@ from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
 from robot_sim.greenhouse import Primitive, greenhouse, solid
 from robot_sim.head_camera import projection_matrix, view_matrix
-from robot_sim.limiter import Setpoints, advance, home_setpoints, latch_estop, resolve
+from robot_sim.limiter import Goals, Setpoints, advance, home_setpoints, latch_estop, resolve
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
+from robot_sim.world.contacts import Touch, away_from
 from robot_sim.world.meshes import merge
 from robot_sim.world.tracks import Heading, track_speeds
 
@@ -74,7 +75,7 @@ class World:
         # a caller's 1/30 s is 8 ticks although the binary sum may fall a hair short
         ticks = int(due * TICK_HZ + 1e-6)
         self._carried_s = due - ticks * TICK_S
-        goals = resolve(command, self.config)
+        goals = self._away_from_contacts(resolve(command, self.config))
         reasons = dict.fromkeys(goals.reasons)
         for _ in range(ticks):
             self._setpoints, tick_reasons = advance(self._setpoints, goals, TICK_S, self.config)
@@ -189,7 +190,7 @@ class World:
             halfExtents=[[0.5 * s for s in b.size_m] for b in boxes],
             collisionFramePositions=[b.xyz_m for b in boxes],
         )
-        client.createMultiBody(0.0, shape, hidden)
+        self._obstacles = client.createMultiBody(0.0, shape, hidden)
         for mesh in self._meshes:
             look = client.createVisualShape(
                 pybullet.GEOM_MESH,
@@ -221,6 +222,15 @@ class World:
             client.resetJointState(self._robot, joint, axis.home)
         chassis = self.config.chassis
         self._wheel_efforts = [chassis.motor_nm / 3.0] * len(WHEELS)
+
+    def _away_from_contacts(self, goals: Goals) -> Goals:
+        points = self._client.getContactPoints(self._robot, self._obstacles)
+        # PyBullet's normal points from the obstacle to the robot; points ahead of a touch do not count yet
+        touches = [Touch(p[5][0], p[5][1], p[7][0], p[7][1]) for p in points if p[8] <= 0.0]
+        if not touches:
+            return goals
+        xyz, quaternion = self._client.getBasePositionAndOrientation(self._robot)
+        return away_from(touches, goals, xyz[0], xyz[1], self._client.getEulerFromQuaternion(quaternion)[2])
 
     def _drive_motors(self) -> None:
         client, s = self._client, self._setpoints
