@@ -43,43 +43,55 @@ def pad_image(
     box: tuple[int, int, int, int],
     camera: Camera,
     max_offset_m: float,
+    step: int,
 ) -> PaddedImage:
-    """Canonical, cropped and padded image of the operator's pixels.
+    """Canonical, cropped and padded image of the operator's pixels, every ``step``-th of them.
 
     depth_mm, mask: (H, W) in the camera's own orientation. box: (u0, v0, u1, v1) round the mask, ends excluded.
-    max_offset_m: the largest feature offset the padding must hold.
+    max_offset_m: the largest feature offset the padding must hold. step: see working_step().
     """
     u0, v0, u1, v1 = box
-    crop, inside = depth_mm[v0:v1, u0:u1], mask[v0:v1, u0:u1]
+    u0, v0 = u0 + -u0 % step, v0 + -v0 % step
+    crop, inside = depth_mm[v0:v1:step, u0:u1:step], mask[v0:v1:step, u0:u1:step]
     k = camera.depth
-    nearest_mm = int(crop[inside].min(initial=FAR_MM))
-    pad = int(np.ceil(max_offset_m * max(k.fx, k.fy) * 1000.0 / max(nearest_mm, 1))) + 1
-    image = np.full((v1 - v0 + 2 * pad, u1 - u0 + 2 * pad), FAR_MM, np.int16)
-    body = np.where(inside & (crop < FAR_MM), crop, FAR_MM)
-    cx, left = k.cx, u0
+    fx, fy, cx, cy = k.fx / step, k.fy / step, k.cx / step, k.cy / step
+    height, width = crop.shape
+    body = np.where(inside & (crop < FAR_MM), crop, FAR_MM).astype(np.int16)
+    nearest_mm = max(int(body.min(initial=FAR_MM)), 1)
+    pad = int(np.ceil(max_offset_m * max(fx, fy) * 1000.0 / nearest_mm)) + 1
+    image = np.full((height + 2 * pad, width + 2 * pad), FAR_MM, np.int16)
+    left = u0 // step
     if not camera.mirrored:
         body = body[:, ::-1]
-        cx, left = k.width - 1 - k.cx, k.width - u1
-    image[pad : pad + v1 - v0, pad : pad + u1 - u0] = body
-    return PaddedImage(image, left - pad, v0 - pad, k.fx, k.fy, cx, k.cy)
+        # pixel u of the camera is pixel -u here: the canonical image may begin anywhere
+        cx, left = -cx, -(left + width - 1)
+    image[pad : pad + height, pad : pad + width] = body
+    return PaddedImage(image, left - pad, v0 // step - pad, fx, fy, cx, cy)
+
+
+def working_step(camera: Camera, working_focal_px: float) -> int:
+    """Pixel step that brings the camera nearest to the working focal length: 2 for a Kinect's 640x480."""
+    return max(1, round(camera.depth.fx / working_focal_px))
 
 
 @nb.njit(cache=True, nogil=True, inline="always")
 def depth_difference(
-    depth_mm: npt.NDArray[np.int16],
-    row: int,
-    column: int,
+    flat_mm: npt.NDArray[np.int16],
+    at: int,
+    width: int,
     scale_x: float,
     scale_y: float,
     offsets: npt.NDArray[np.int16],
     node: int,
 ) -> int:
-    """Feature of one pixel in mm. offsets[node]: u_x, u_y, v_x, v_y in 0.1 mm; scale: pixels per 0.1 mm at the pixel.
+    """Feature of one pixel in mm.
 
-    Truncation towards zero makes the sampler symmetric: mirroring the image equals negating the x offsets.
+    flat_mm: padded image(s) laid out row by row. at: index of the pixel in it. width: of its image. offsets[node]:
+    u_x, u_y, v_x, v_y in 0.1 mm. scale: pixels per 0.1 mm at the pixel; a negative scale_x samples the mirrored
+    image exactly, since truncation towards zero is symmetric.
     """
-    a = depth_mm[row + int(offsets[node, 1] * scale_y), column + int(offsets[node, 0] * scale_x)]
-    b = depth_mm[row + int(offsets[node, 3] * scale_y), column + int(offsets[node, 2] * scale_x)]
+    a = flat_mm[at + int(offsets[node, 1] * scale_y) * width + int(offsets[node, 0] * scale_x)]
+    b = flat_mm[at + int(offsets[node, 3] * scale_y) * width + int(offsets[node, 2] * scale_x)]
     return np.int32(a) - np.int32(b)
 
 

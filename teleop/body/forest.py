@@ -16,15 +16,21 @@ from teleop.body.model import OFFSET_UNIT_M, BodyModel
 from teleop.skeleton import BodyParts
 
 LANES: Final = 8
-MILLIMETRES: Final = 1000.0
+
+
+def offset_unit(focal_px: float) -> float:
+    """Pixels times mm of depth that 0.1 mm of feature offset spans."""
+    return focal_px * 1000.0 * OFFSET_UNIT_M
 
 
 @nb.njit(cache=True, nogil=True)
 def walk(
-    depth_mm: npt.NDArray[np.int16],
-    where: npt.NDArray[np.int32],
-    unit_x: float,
-    unit_y: float,
+    flat_mm: npt.NDArray[np.int16],
+    at: npt.NDArray[np.int64],
+    image: npt.NDArray[np.int32],
+    widths: npt.NDArray[np.int32],
+    unit_x: npt.NDArray[np.float32],
+    unit_y: npt.NDArray[np.float32],
     root: int,
     max_depth: int,
     offsets: npt.NDArray[np.int16],
@@ -32,24 +38,34 @@ def walk(
     children: npt.NDArray[np.int32],
     leaves: npt.NDArray[np.int32],
 ) -> npt.NDArray[np.int32]:
-    """Leaf (N,) of each pixel in one tree. unit: pixels times mm per 0.1 mm of offset, the depth divided out here."""
-    n = len(where)
+    """Leaf (N,) of each pixel in one tree.
+
+    flat_mm: padded image(s), see depth_difference. at: (N,) the pixels. image: (N,) index of each pixel's image.
+    widths, unit_x, unit_y: of the images; a unit is pixels times mm per 0.1 mm of offset, the depth is divided out
+    here; a negative unit_x walks the mirrored image.
+    """
+    n = len(at)
     out = np.empty(n, np.int32)
     node = np.empty(LANES, np.int32)
+    place = np.empty(LANES, np.int64)
+    width = np.empty(LANES, np.int64)
     sx = np.empty(LANES, np.float32)
     sy = np.empty(LANES, np.float32)
     for start in range(0, n, LANES):
         lanes = min(LANES, n - start)
         for k in range(lanes):
-            depth = np.float32(depth_mm[where[start + k, 0], where[start + k, 1]])
-            sx[k] = np.float32(unit_x) / depth
-            sy[k] = np.float32(unit_y) / depth
+            place[k] = at[start + k]
+            m = image[start + k]
+            depth = np.float32(flat_mm[place[k]])
+            width[k] = widths[m]
+            sx[k] = unit_x[m] / depth
+            sy[k] = unit_y[m] / depth
             node[k] = root
         for _ in range(max_depth):
             moving = False
             for k in range(lanes):
                 i = node[k]
-                f = depth_difference(depth_mm, where[start + k, 0], where[start + k, 1], sx[k], sy[k], offsets, i)
+                f = depth_difference(flat_mm, place[k], width[k], sx[k], sy[k], offsets, i)
                 # a leaf is its own child and its threshold is never reached, so it stays
                 node[k] = children[i] + np.int32(f >= thresholds_mm[i])
                 moving |= node[k] != i
@@ -62,12 +78,18 @@ def walk(
 
 def forest_leaves(model: BodyModel, image: PaddedImage, where: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
     """Leaves (T, N) that N pixels, rows and columns (N, 2) of the image, reach in T trees."""
-    unit_x, unit_y = (f * MILLIMETRES * OFFSET_UNIT_M for f in (image.fx, image.fy))
+    width = image.depth_mm.shape[1]
+    at = where[:, 0].astype(np.int64) * width + where[:, 1]
+    one = np.zeros(len(where), np.int32)
+    widths = np.array([width], np.int32)
+    unit_x, unit_y = (np.array([offset_unit(f)], np.float32) for f in (image.fx, image.fy))
     out = np.empty((len(model.roots), len(where)), np.int32)
     for tree, root in enumerate(model.roots):
         out[tree] = walk(
-            image.depth_mm,
-            where,
+            image.depth_mm.reshape(-1),
+            at,
+            one,
+            widths,
             unit_x,
             unit_y,
             int(root),
@@ -106,21 +128,21 @@ def stride_for(area_px: int, max_pixels: int) -> int:
 
 
 def infer(
-    model: BodyModel, image: PaddedImage, stride: int, width: int | None
+    model: BodyModel, image: PaddedImage, stride: int, step: int, mirrored: bool
 ) -> tuple[BodyParts, npt.NDArray[np.int32]]:
-    """Run the forest over every stride-th pixel of the operator.
+    """Run the forest over every stride-th pixel of the image.
 
-    width: the camera image's width where that image is unmirrored, to give the pixels back in its own columns;
-    None for a mirrored one, which is canonical already. Returns the parts and the leaves (T, N).
+    step, mirrored: how the image was made from the camera's, to give the pixels back in the camera's columns and
+    rows. Returns the parts and the leaves (T, N).
     """
     where = body_pixels(image.depth_mm, stride)
     leaves = forest_leaves(model, image, where)
-    u = where[:, 1] + np.int32(image.u0)
+    u = (where[:, 1] + np.int32(image.u0)) * np.int32(step)
     parts = BodyParts(
-        u=u if width is None else np.int32(width - 1) - u,
-        v=where[:, 0] + np.int32(image.v0),
+        u=u if mirrored else -u,
+        v=(where[:, 0] + np.int32(image.v0)) * np.int32(step),
         points_m=body_points(image, where),
         probability=mean_parts(leaves, model.leaf_parts),
-        stride=stride,
+        stride=stride * step,
     )
     return parts, leaves

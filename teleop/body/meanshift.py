@@ -75,10 +75,9 @@ def find_modes(
         score = 0.0
         for i in range(n):
             dx, dy, dz = points_m[i, 0] - mode[0], points_m[i, 1] - mode[1], points_m[i, 2] - mode[2]
-            if free[i] or i == best:
-                if dx * dx + dy * dy + dz * dz < radius2:
-                    score += weights[i]
-                    free[i] = False
+            if (free[i] or i == best) and dx * dx + dy * dy + dz * dz < radius2:
+                score += weights[i]
+                free[i] = False
         same = False
         for k in range(found):
             d = modes[k] - mode

@@ -86,7 +86,7 @@ def save_model(model: BodyModel, path: Path) -> None:
 
 
 def load_model(path: Path | None = None) -> BodyModel:
-    """Read a model; None reads the one shipped with the package. Raises ModelError when there is none or it is wrong."""
+    """Read a model; None reads the shipped one. Raises ModelError when there is none or it is wrong."""
     path = DEFAULT_MODEL if path is None else path
     if not path.is_file():
         raise ModelError(f"body model '{path}' not found; make one with 'teleop train --output {path}'")

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble, person_score
-from teleop.body.features import pad_image
+from teleop.body.features import pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
 from teleop.body.model import BodyModel
@@ -88,12 +88,11 @@ class BodyTracker:
     def estimate(self, frame: DepthFrame, found: Candidate, previous_m: npt.NDArray[np.float64] | None) -> Single:
         """Joints of one candidate from this frame alone, helped by the last joints where given."""
         model, camera = self.model, frame.camera
-        image = pad_image(frame.depth_mm, found.mask, found.box, camera, model.max_offset_m)
-        stride = stride_for(found.area_px, self.config.forest.max_pixels)
-        parts, leaves = infer(model, image, stride, None if camera.mirrored else camera.depth.width)
-        proposals = propose(
-            model, parts.points_m, leaves, stride, camera.depth.fx, self._weight_of, self.config.proposals
-        )
+        step = working_step(camera, self.config.forest.working_focal_px)
+        image = pad_image(frame.depth_mm, found.mask, found.box, camera, model.max_offset_m, step)
+        stride = stride_for(found.area_px // step**2, self.config.forest.max_pixels)
+        parts, leaves = infer(model, image, stride, step, camera.mirrored)
+        proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
         joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
         return Single(joints, confidence, parts, person_score(confidence))
 

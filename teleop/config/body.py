@@ -1,4 +1,4 @@
-"""Configuration of perception: segmentation, forest, mean shift, skeleton, filter. Sub-sections follow the data flow."""
+"""Configuration of perception: segmentation, forest, mean shift, skeleton, filter, in order of the data flow."""
 
 from __future__ import annotations
 
@@ -45,6 +45,12 @@ class SegmentationConfig(Section):
 class ForestConfig(Section):
     """Running the forest over the operator's pixels."""
 
+    working_focal_px: float = Field(
+        285.63,
+        ge=50,
+        le=2000,
+        description="the image is decimated to about this focal length [px]: that of the training images, 320x240",
+    )
     max_pixels: int = Field(
         4500, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
     )

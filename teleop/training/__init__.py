@@ -1,0 +1,1 @@
+"""Training and evaluation: rendered data sets, the forest's trainer, what is fitted on validation, figures."""

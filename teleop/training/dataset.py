@@ -1,0 +1,183 @@
+"""Rendered training frames: made on all cores, kept in chunks on disk (an interrupted run goes on), loaded padded."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from teleop.body.features import FAR_MM, pad_image
+from teleop.body.parts import MIRROR_PART, N_PARTS, NO_PART
+from teleop.errors import DataError
+
+CHUNK: Final = 200
+WIDTH: Final = 320
+HEIGHT: Final = 240
+"""The working resolution of the tracker (ForestConfig.working_focal_px)."""
+
+Split = Literal["train", "validation", "test"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Images:
+    """Many padded canonical images in one array. F frames.
+
+    flat_mm: all pixels, int16, FAR_MM off the person. part: uint8 labels, same layout. starts: (F,) int64 index of
+    each image's first pixel. widths, heights: (F,). u0, v0, cx, cy, focal_px: (F,) as in PaddedImage (fx = fy).
+    joints_m: (F, 20, 3). visible: (F, 20).
+    """
+
+    flat_mm: npt.NDArray[np.int16]
+    part: npt.NDArray[np.uint8]
+    starts: npt.NDArray[np.int64]
+    widths: npt.NDArray[np.int32]
+    heights: npt.NDArray[np.int32]
+    u0: npt.NDArray[np.int32]
+    v0: npt.NDArray[np.int32]
+    cx: npt.NDArray[np.float64]
+    cy: npt.NDArray[np.float64]
+    focal_px: npt.NDArray[np.float64]
+    joints_m: npt.NDArray[np.float64]
+    visible: npt.NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+
+def chunk_path(folder: Path, split: Split, first: int) -> Path:
+    """File of the frames ``first .. first + CHUNK``."""
+    return folder / f"{split}_{first:07d}.npz"
+
+
+def render_chunk(folder: Path, split: Split, first: int, max_offset_m: float) -> Path:
+    """Render CHUNK frames from their seeds and keep what training needs of them.
+
+    Odd seeds are mirrored images: the sensor's shadow falls on the other side.
+    """
+    from teleop.people.sampling import SampleSpec, sample_frame
+
+    images, parts, rows = [], [], []
+    joints = np.zeros((CHUNK, 20, 3))
+    visible = np.zeros((CHUNK, 20), bool)
+    for n in range(CHUNK):
+        seed = first + n
+        shot = sample_frame(seed, SampleSpec(split=split, width=WIDTH, height=HEIGHT, mirrored=bool(seed % 2)))
+        frame = shot.frame
+        mask = frame.depth_mm > 0
+        r, c = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        box = (int(c[0]), int(r[0]), int(c[-1]) + 1, int(r[-1]) + 1) if len(r) else (0, 0, 1, 1)
+        image = pad_image(frame.depth_mm, mask, box, frame.camera, max_offset_m, 1)
+        height, width = image.depth_mm.shape
+        pad_u, pad_v = (width - (box[2] - box[0])) // 2, (height - (box[3] - box[1])) // 2
+        label = np.full((height, width), NO_PART, np.uint8)
+        crop = shot.part[box[1] : box[3], box[0] : box[2]]
+        label[pad_v : height - pad_v, pad_u : width - pad_u] = crop if frame.camera.mirrored else crop[:, ::-1]
+        label[image.depth_mm >= FAR_MM] = NO_PART
+        images.append(image.depth_mm.reshape(-1))
+        parts.append(label.reshape(-1))
+        rows.append((width, height, image.u0, image.v0, image.cx, image.cy, image.fx))
+        joints[n], visible[n] = shot.joints_m, shot.visible
+    path = chunk_path(folder, split, first)
+    part_file = path.with_suffix(f".{os.getpid()}.tmp")
+    with part_file.open("wb") as file:
+        np.savez_compressed(
+            file,
+            flat_mm=np.concatenate(images),
+            part=np.concatenate(parts),
+            rows=np.array(rows, np.float64),
+            joints_m=joints,
+            visible=visible,
+        )
+    part_file.replace(path)
+    return path
+
+
+def render_dataset(
+    folder: Path, split: Split, frames: int, max_offset_m: float, workers: int
+) -> Iterator[tuple[int, int]]:
+    """Render what is missing of ``frames`` frames; yields (chunks done, chunks in all) after each chunk."""
+    folder.mkdir(parents=True, exist_ok=True)
+    firsts = range(0, frames, CHUNK)
+    missing = [first for first in firsts if not chunk_path(folder, split, first).is_file()]
+    done = len(firsts) - len(missing)
+    yield done, len(firsts)
+    if not missing:
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        futures = [pool.submit(render_chunk, folder, split, first, max_offset_m) for first in missing]
+        for future in futures:
+            future.result()
+            done += 1
+            yield done, len(firsts)
+
+
+def load_images(folder: Path, split: Split, frames: int) -> Images:
+    """Load rendered frames (rounded up to whole chunks). Raises DataError when one is missing."""
+    chunks = []
+    for first in range(0, frames, CHUNK):
+        path = chunk_path(folder, split, first)
+        if not path.is_file():
+            raise DataError(
+                f"training frames '{path}' are missing; run 'teleop train' again, it renders what is missing"
+            )
+        with np.load(path) as data:
+            chunks.append({name: data[name] for name in data.files})
+    rows = np.concatenate([c["rows"] for c in chunks])
+    sizes = (rows[:, 0] * rows[:, 1]).astype(np.int64)
+    return Images(
+        flat_mm=np.concatenate([c["flat_mm"] for c in chunks]),
+        part=np.concatenate([c["part"] for c in chunks]),
+        starts=np.concatenate([[0], np.cumsum(sizes)[:-1]]),
+        widths=rows[:, 0].astype(np.int32),
+        heights=rows[:, 1].astype(np.int32),
+        u0=rows[:, 2].astype(np.int32),
+        v0=rows[:, 3].astype(np.int32),
+        cx=rows[:, 4],
+        cy=rows[:, 5],
+        focal_px=rows[:, 6],
+        joints_m=np.concatenate([c["joints_m"] for c in chunks]),
+        visible=np.concatenate([c["visible"] for c in chunks]),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pixels:
+    """Training pixels. at: (N,) int64 index into flat_mm. frame: (N,) int32, F + f for the mirror image of frame f.
+    part: (N,) uint8, mirrored there too."""
+
+    at: npt.NDArray[np.int64]
+    frame: npt.NDArray[np.int32]
+    part: npt.NDArray[np.uint8]
+
+
+def draw_pixels(images: Images, per_frame: int, rng: np.random.Generator, balance: float) -> Pixels:
+    """Draw pixels of every frame, half of them for its mirror image.
+
+    balance: share of the pixels drawn with equal chances for every part in the frame (class balance); the rest is
+    drawn evenly over the person.
+    """
+    mirror = np.array([*MIRROR_PART, *range(N_PARTS, 256)], np.uint8)
+    at, frame, part = [], [], []
+    for f in range(len(images)):
+        start = images.starts[f]
+        labels = images.part[start : start + int(images.widths[f]) * int(images.heights[f])]
+        body = np.flatnonzero(labels != NO_PART)
+        if len(body) == 0:
+            continue
+        chance = np.full(len(body), (1 - balance) / len(body))
+        counts = np.bincount(labels[body], minlength=N_PARTS)
+        chance += balance / (counts[labels[body]] * np.count_nonzero(counts))
+        chosen = body[
+            np.searchsorted(np.cumsum(chance), rng.uniform(0, chance.sum(), per_frame)).clip(0, len(body) - 1)
+        ]
+        flipped = np.arange(per_frame) % 2 == 1
+        at.append(start + chosen)
+        frame.append(np.where(flipped, len(images) + f, f).astype(np.int32))
+        part.append(np.where(flipped, mirror[labels[chosen]], labels[chosen]))
+    return Pixels(np.concatenate(at), np.concatenate(frame), np.concatenate(part).astype(np.uint8))
