@@ -12,7 +12,7 @@ export const en = {
   "notice.refused": "Refused: {detail}",
 
   "mode.no_person": "Nobody here",
-  "mode.seen": "Ready to engage",
+  "mode.seen": "Ready",
   "mode.engaged": "Engaged",
   "mode.picking": "Picking",
   "mode.spraying": "Spraying",

@@ -12,7 +12,7 @@ export const zh: Record<keyof typeof en, string> = {
   "gone.text": "画面不是最新的，指令无法到达机器人。正在自动重连。",
   "notice.refused": "被拒绝：{detail}",
   "mode.no_person": "无人",
-  "mode.seen": "可以接管",
+  "mode.seen": "待接管",
   "mode.engaged": "已接管",
   "mode.picking": "采摘",
   "mode.spraying": "喷施",

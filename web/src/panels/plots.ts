@@ -85,7 +85,7 @@ export class PlotsPanel implements Panel {
       padding: [rem(0.6), rem(1), 0, 0],
       scales: {
         x: { time: false, range: (_plot, _min, max) => [max - WINDOW_S, max] },
-        y: { range: this.group === "legs" ? [0, 45] : [0, 180] },
+        y: { range: this.group === "legs" ? [0, 50] : [0, 205] },
       },
       axes: [
         { ...axis, size: rem(1.7), values: (plot, ticks) => ticks.map((tick) => `${(tick - (plot.scales["x"]?.max ?? 0)).toFixed(0)} s`), splits: (plot) => everyFive(plot) },

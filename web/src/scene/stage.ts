@@ -25,8 +25,8 @@ const MIN_PERIOD_MS = 33;
 /** Drawing by the processor takes its time from tracking and simulation: rest twice as long as a picture takes. */
 const SOFTWARE_REST = 2;
 const SOFTWARE_PIXEL_RATIO = 0.8;
-const HOME_EYE_M = new Vector3(1.75, -1.9, 1.7);
-const HOME_TARGET_M = new Vector3(0.05, 0, 0.72);
+const HOME_EYE_M = new Vector3(1.85, -2.0, 1.75);
+const HOME_TARGET_M = new Vector3(0.05, 0, 0.78);
 
 export function webglWorks(): boolean {
   return document.createElement("canvas").getContext("webgl2") !== null;
