@@ -227,7 +227,7 @@ class EngageConfig(Section):
         default=0.06, ge=0.0, le=0.5, description="how far the wrists must have passed each other [m]; ours"
     )
     hold_progress: float = Field(
-        default=0.3, ge=0.0, le=1.0, description="the arms hold once the gesture has come this far [1]; ours"
+        default=0.05, ge=0.0, le=1.0, description="the arms hold once the gesture has come this far [1]; ours"
     )
 
 
