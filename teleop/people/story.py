@@ -80,7 +80,7 @@ class _Script:
 
 
 def greenhouse_story(seed: int = 0) -> tuple[Motion, tuple[Chapter, ...]]:
-    """About 43 s: the motion and its chapters."""
+    """About 42 s: the motion and its chapters."""
     s = _Script(1.75, 2.5, 75.0)
     chapters = [Chapter(0.0, "walk in", False)]
     s.to(0.5)
@@ -92,9 +92,12 @@ def greenhouse_story(seed: int = 0) -> tuple[Motion, tuple[Chapter, ...]]:
     t = s.to(0.3)
     chapters.append(Chapter(t, "drive forward", True))
     s.to(1.2, at=(0.0, 1.68))
-    s.to(1.6)
-    chapters.append(Chapter(s.keys[-1].t_s, "turn", True))
-    s.to(1.5, at=(0.6, 2.25))
+    t = s.to(1.6)
+    chapters.append(Chapter(t, "drive back", True))
+    s.to(2.0, at=(0.0, 3.12))
+    t = s.to(1.4)
+    chapters.append(Chapter(t, "turn", True))
+    s.to(1.6, at=(0.6, 2.4))
     s.to(1.6)
     s.to(1.3, at=(0.0, 2.35))
     t = s.to(0.8, apart_deg=24.0)
@@ -109,8 +112,8 @@ def greenhouse_story(seed: int = 0) -> tuple[Motion, tuple[Chapter, ...]]:
     t = s.to(0.2)
     chapters.append(Chapter(t, "leave", False))
     s.to(1.1, at=(0.0, 3.0))
-    s.to(0.6, at=(-0.2, 3.0), turn_deg=-70.0)
-    s.to(2.4, at=(-2.3, 2.9), turn_deg=-80.0)
+    s.to(0.6, at=(-0.2, 3.0), turn_deg=70.0)
+    s.to(2.4, at=(-2.3, 2.9), turn_deg=80.0)
     s.to(0.4)
     return Motion(s.keys, seed), tuple(chapters)
 

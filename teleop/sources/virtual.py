@@ -24,8 +24,8 @@ from teleop.people.view import sensor_view
 from teleop.sources.base import SourceInfo
 
 _LEGAL = "virtual:[builtin|makehuman][,seed=N][,size=WxH][,fps=N], such as virtual:makehuman,size=640x480"
-SENSOR_HEIGHT_M, SENSOR_TILT_RAD = 1.15, -0.03
-"""From here a person of middle height is seen from the forehead to the knees at 1.7 m and whole beyond 2.6 m."""
+SENSOR_HEIGHT_M, SENSOR_TILT_RAD = 1.20, -0.03
+"""From here a person of middle height is seen from the crown to the knees at 1.7 m and whole beyond 2.6 m."""
 WORK_CLOTHES = Wardrobe(
     top_m=0.008,
     sleeve_m=0.007,
