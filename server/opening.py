@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import time
 from pathlib import Path
 
 from server.engine.engine import Engine
@@ -16,16 +18,23 @@ LIVE_SCHEMES = ("openni2:", "freenect:", "realsense:", "orbbec:", "virtual:")
 def open_named(engine: Engine, library: Library, name: str, *, loop: bool, record: bool = False) -> Session:
     """Open what a client asks for. Raises Refused (403 a path, 404 an unknown recording) and TeleopError."""
     scheme = next((s for s in LIVE_SCHEMES if name.lower().startswith(s)), None)
+    record_to = _record_to(library, name) if record else None
     if scheme is None:
-        return engine.open(name, open_source(str(library.find(name).path)), loop)
+        return engine.open(name, open_source(str(library.find(name).path)), loop, record_to)
     if "/" in name or "\\" in name or ".." in name:
         raise Refused(403, "files of this computer are opened on its command line only; upload a recording instead")
     if engine.session is not None and engine.session.info.live:
         engine.close_session(engine.session.id)  # a sensor can be opened once
-    return engine.open(name, open_source(name), loop)
+    return engine.open(name, open_source(name), loop, record_to)
 
 
-def open_path(engine: Engine, uri: str, *, loop: bool, record: bool = False) -> Session:
+def open_path(engine: Engine, library: Library, uri: str, *, loop: bool, record: bool = False) -> Session:
     """Open what the command line names: any path or URI. A recording goes by its bare name."""
     name = Path(uri).stem if uri.endswith(".mcap") else uri
-    return engine.open(name, open_source(uri), loop)
+    return engine.open(name, open_source(uri), loop, _record_to(library, name) if record else None)
+
+
+def _record_to(library: Library, name: str) -> Path:
+    """A new file of the library: when, and from what kind of source or which recording."""
+    what = re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-")[:40] or "session"
+    return library.new_path(f"{time.strftime('%Y%m%d-%H%M%S')}-{what}")

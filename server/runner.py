@@ -67,7 +67,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     try:
         if settings.source:
             tell("compiling kernels (a minute the first time)")
-            open_path(engine, settings.source, loop=settings.loop, record=settings.record)
+            open_path(engine, library, settings.source, loop=settings.loop, record=settings.record)
         app = create_app(engine, hub, library, settings)
         config = uvicorn.Config(
             app,

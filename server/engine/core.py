@@ -126,6 +126,9 @@ class Core:
         )
         self.pending.engage = False
         events = self._silence_events(command)
+        if not events:
+            # told to stand still once; from then on a request may move the lift or the disc
+            command = replace(command, stand_still=False)
         if inputs.engage:
             events = (*events, Event(self._t_ns, "refused", Reason.ENGAGE_NO_PERSON))
         if inputs.request is not None:
@@ -164,7 +167,7 @@ class Core:
     def _silence_events(self, command: RobotCommand) -> tuple[Event, ...]:
         """One event when the watchdog (or the source's fault) begins to stop the robot, or stops it harder."""
         stopping = tuple(code for code in command.reasons if code in _SILENT)
-        if stopping == self._silence or self._last is None:
+        if stopping == self._silence:
             return ()
         self._silence = stopping
         return tuple(Event(self._t_ns, "watchdog", code) for code in stopping)

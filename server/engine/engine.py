@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from pathlib import Path
 from typing import TypeVar
 
 from robot_sim.commands import stop_command
@@ -18,12 +19,14 @@ from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived, Mailbox
 from server.engine.preview import encoded
 from server.engine.publisher import Publisher
+from server.engine.recording import SessionRecorder
 from server.engine.session import Session, new_session
 from server.errors import Refused
 from server.images_wire import ImageKind
 from server.settings import Settings
 from server.stream.hub import Hub
 from teleop.body.tracker import BodyTracker
+from teleop.errors import TeleopError
 from teleop.frames import Camera
 from teleop.inputs import RobotRequest
 from teleop.sources.base import Source
@@ -43,6 +46,7 @@ class Engine(threading.Thread):
         self.publisher = Publisher(hub, self.ledger, settings.stream)
         self._settings = settings
         self._hub = hub
+        self._tracker = tracker
         self._core = Core(tracker, world, settings, self.ledger)
         self._scenery = world.scenery()
         self._urdf = world.urdf
@@ -106,10 +110,21 @@ class Engine(threading.Thread):
         self._mailbox.wake()
         return future
 
-    def open(self, name: str, source: Source, loop: bool) -> Session:
-        """Switch to an open source; the one before is closed. Blocks until it is done."""
+    def open(self, name: str, source: Source, loop: bool, record_to: Path | None = None) -> Session:
+        """Switch to an open source; the one before is closed. Blocks until it is done.
+
+        record_to: a file to be written. Raises RecordingError when it cannot be; the session before goes on then.
+        """
         with self._switching:
-            session = new_session(name, source, loop, self._mailbox)
+            try:
+                recorder = None
+                if record_to is not None:
+                    recorder = SessionRecorder(record_to, source.info, self._urdf, self.publisher.event)
+                self._tracker.warm_up(source.info.camera)
+            except TeleopError:
+                source.close()
+                raise
+            session = new_session(name, source, loop, self._mailbox, recorder)
             self._close_session()
             self.call(lambda: self._begin(session)).result(CALL_TIMEOUT_S)
             session.reader.start()
@@ -201,7 +216,12 @@ class Engine(threading.Thread):
         return self._core.on_silence(source_failed=fault is not None, speed=session.speed if session else 1.0)
 
     def _publish(self, moment: Moment) -> None:
-        self.publisher.publish(moment, self._session)
+        session = self._session
+        self.publisher.publish(moment, session)
+        if session is not None and session.recorder is not None and session.recording_now:
+            session.recording_now = session.recorder.write(moment)
+            if not session.recording_now:
+                self.publisher.announce("recording", "recording.completed", session.recorder.name)
         now_s = time.monotonic()
         if ImageKind.HEAD in self._hub.wanted and now_s - self._head_s >= 1.0 / self._settings.stream.head_hz:
             self._head_s = now_s

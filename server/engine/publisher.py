@@ -55,7 +55,7 @@ class Publisher:
         with self._lock:
             self._current = (moment, session)
         # frames jitter: a state may come a little early rather than a whole frame late
-        if now_s - self._state_s < 0.75 / self._config.state_hz:
+        if now_s - self._state_s < 0.6 / self._config.state_hz:
             return
         self._state_s = now_s
         self._seq += 1
@@ -97,7 +97,7 @@ class Publisher:
         wanted = self._hub.wanted & _PICTURES
         if not (wanted and moment.fresh and moment.frame is not None):
             return
-        if now_s - self._image_s >= 0.75 / self._config.image_hz:
+        if now_s - self._image_s >= 0.8 / self._config.image_hz:
             self._image_s = now_s
             self._previewer.offer(moment.frame, self._seq, wanted)
 
@@ -145,7 +145,7 @@ class Publisher:
             speed=play.speed,
             loop=play.loop,
             fps=self._fps(),
-            recording=session.recording is not None,
+            recording=session.recording_now,
             fault=session.fault,
         )
 
