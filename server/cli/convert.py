@@ -1,4 +1,4 @@
-"""``teleop convert``: any source to an MCAP recording or an RGB-D folder."""
+"""``teleop convert``: any source to an MCAP recording, an RGB-D folder or a fakenect dump."""
 
 from __future__ import annotations
 
@@ -10,7 +10,12 @@ import typer
 
 def convert(
     source: Annotated[str, typer.Argument(help="A recording, an RGB-D folder or a source URI.")],
-    output: Annotated[Path, typer.Argument(help="NAME.mcap for a recording, any other name for an RGB-D folder.")],
+    output: Annotated[
+        Path,
+        typer.Argument(
+            help="NAME.mcap: a recording; NAME.fakenect: a dump for fakenect; any other name: an RGB-D folder."
+        ),
+    ],
     force: Annotated[bool, typer.Option("--force", help="Replace an output that exists.")] = False,
     color: Annotated[bool, typer.Option("--color/--no-color", help="Keep colour, or leave it out.")] = True,
     from_s: Annotated[float, typer.Option("--from", min=0.0, help="Start this many seconds in.")] = 0.0,

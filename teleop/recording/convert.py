@@ -9,11 +9,12 @@ from typing import Protocol
 
 from teleop.errors import RecordingError
 from teleop.frames import Camera, DepthFrame
+from teleop.recording.fakenect_writer import FakenectWriter
 from teleop.recording.rgbd_writer import RgbdFolderWriter
 from teleop.recording.writer import McapWriter
 from teleop.sources.base import Source
 
-_FOLDER_CONTENT = ("depth", "rgb", "depth.txt", "rgb.txt", "camera.json")
+_FOLDER_CONTENT = ("depth", "rgb", "depth.txt", "rgb.txt", "camera.json", "INDEX.txt")
 
 
 class FrameSink(Protocol):
@@ -38,7 +39,8 @@ def convert(
     seconds: float | None = None,
     on_frame: Callable[[DepthFrame], None] | None = None,
 ) -> int:
-    """Write the source's frames to ``output``: ``.mcap`` is a recording, any other name an RGB-D folder.
+    """Write the source's frames to ``output``: ``.mcap`` is a recording, ``.fakenect`` a dump folder that libfreenect's
+    fakenect plays, any other name an RGB-D folder.
 
     color: False leaves colour out. from_s, seconds: the part to take. force: replace an output that exists.
     on_frame is called after each frame. Returns the number of frames. Raises TeleopError; then no output is left.
@@ -70,6 +72,8 @@ def open_sink(path: Path, named: Path, source: Source, color: bool) -> FrameSink
     camera: Camera = source.info.camera
     if named.suffix.lower() == ".mcap":
         return McapWriter(path, camera, source_uri=source.info.uri, color=color)
+    if named.suffix.lower() == ".fakenect":
+        return FakenectWriter(path, camera)
     return RgbdFolderWriter(path, camera)
 
 
@@ -87,9 +91,13 @@ def refuse_overwrite(output: Path, source: Source, force: bool) -> None:
         if output.is_dir():
             raise RecordingError(f"{output} is a folder; choose another name")
         return
-    foreign = [p.name for p in output.iterdir() if p.name not in _FOLDER_CONTENT] if output.is_dir() else [output.name]
+    foreign = [p.name for p in output.iterdir() if not _is_ours(p)] if output.is_dir() else [output.name]
     if foreign:
-        raise RecordingError(f"{output} holds more than an RGB-D folder ({foreign[0]}); it is not replaced")
+        raise RecordingError(f"{output} holds more than images of a session ({foreign[0]}); it is not replaced")
+
+
+def _is_ours(path: Path) -> bool:
+    return path.name in _FOLDER_CONTENT or (path.name[:2] in ("d-", "r-") and path.suffix in (".pgm", ".ppm"))
 
 
 def _copy(

@@ -43,7 +43,7 @@ def probe(kind: str, timeout_s: float = TIMEOUT_S) -> Probe:
 
 
 def _freenect() -> Probe:
-    from teleop.sources.freenect import LIBRARY, device_count
+    from teleop.sources.freenect_api import LIBRARY, device_count
 
     count = device_count()
     return Probe(LIBRARY, tuple(f"Kinect v1, freenect:{i}" for i in range(count)))

@@ -33,6 +33,10 @@ def open_source(uri: str) -> Source:
 def _open_path(uri: str, path: Path) -> Source:
     if not uri.strip():
         raise SourceError(f"no source given; legal are {LEGAL_URIS}")
+    if (path / "INDEX.txt").is_file():
+        from teleop.sources.fakenect_dump import FakenectDumpSource
+
+        return FakenectDumpSource(path)
     if path.is_dir():
         from teleop.sources.rgbd_folder import RgbdFolderSource
 

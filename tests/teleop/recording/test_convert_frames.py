@@ -64,7 +64,7 @@ def test_nothing_is_overwritten_without_force(recording: Path, tmp_path: Path) -
     with pytest.raises(RecordingError, match="is the source itself"):
         convert(McapSource(recording), recording, force=True)
     (tmp_path / "f" / "thesis.tex").touch()
-    with pytest.raises(RecordingError, match=r"holds more than an RGB-D folder \(thesis.tex\)"):
+    with pytest.raises(RecordingError, match=r"holds more than images of a session \(thesis.tex\)"):
         convert(McapSource(recording), tmp_path / "f", force=True)
     with pytest.raises(RecordingError, match="no folder"):
         convert(McapSource(recording), tmp_path / "none" / "b.mcap")
