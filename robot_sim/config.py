@@ -92,8 +92,8 @@ class ArmConfig(RobotSection):
         description="shoulder axis C1, forward positive [rad]",
     )
     c2: AxisLimits = Field(
-        default_factory=lambda: AxisLimits(lower=-0.20, upper=1.75, speed=2.6, acceleration=16.0, effort=45.0),
-        description="shoulder axis C2, outward positive [rad]",
+        default_factory=lambda: AxisLimits(lower=-0.45, upper=1.75, speed=2.6, acceleration=16.0, effort=45.0),
+        description="shoulder axis C2, outward positive [rad]; inward so far that the hands meet before the chest",
     )
     elbow: AxisLimits = Field(
         default_factory=lambda: AxisLimits(lower=0.0, upper=2.2, speed=3.2, acceleration=20.0, effort=25.0),
@@ -154,6 +154,8 @@ class ToolConfig(RobotSection):
         default_factory=lambda: AxisLimits(lower=0.0, upper=0.75, speed=5.0, acceleration=60.0, effort=6.0),
         description="cutter blade, 0 open, upper closed [rad]",
     )
+    bruise_n: float = Field(default=60.0, ge=1.0, le=1000.0, description="contact force that damages fruit [N]")
+    peduncle_n: float = Field(default=40.0, ge=1.0, le=500.0, description="pull that a peduncle resists [N]")
 
 
 class GreenhouseConfig(RobotSection):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from robot_sim.commands import Liquid
 
@@ -30,3 +30,7 @@ class RobotState:
     liquid: Liquid
     estop: bool
     reasons: tuple[str, ...] = ()
+    fruits: Mapping[str, str] = field(default_factory=dict)
+    """Fruit that is not just hanging: name -> held, loose, boxed or dropped, with ``+damaged`` when it is bruised."""
+    moved: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Scenery that is no longer where it was: primitive name -> x, y, z [m], quaternion x, y, z, w."""

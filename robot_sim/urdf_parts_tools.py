@@ -16,6 +16,11 @@ GRIP_M = 0.085
 BOX_SIZE_M: Vec3 = (0.11, 0.19, 0.19)
 """Inner size of the fruit box in the forearm's axes: depth (x, open at +x), width (y), length (z)."""
 BOX_WALL_M = 0.006
+BOX_MIDDLE_M: Vec3 = (0.015, 0.0, -0.5 * BOX_SIZE_M[2] - 0.02)
+"""Middle of the box in the forearm's axes, from the flange."""
+CUT_MIDDLE_M: Vec3 = (0.055, 0.0, -0.100)
+CUT_HALF_M: Vec3 = (0.040, 0.034, 0.045)
+"""Between the blades: a peduncle in here is cut when they close; from the flange, in the forearm's axes."""
 NOZZLE_M = 0.14
 """From the flange to the nozzles' mouths."""
 
@@ -66,7 +71,7 @@ def fruit_box(config: RobotConfig) -> list[Link | Joint]:
     """The open box on the left forearm that takes the picked fruit."""
     depth, width, length = BOX_SIZE_M
     t = BOX_WALL_M
-    x, z = 0.015, -0.5 * length - 0.02
+    x, _, z = BOX_MIDDLE_M
     floor = box(t, width, length, (x - 0.5 * depth, 0.0, z), "leaf")
     sides = [box(depth, t, length, (x, s * 0.5 * width, z), "leaf") for s in (1.0, -1.0)]
     ends = [box(depth, width, t, (x, 0.0, z + s * 0.5 * length), "leaf") for s in (1.0, -1.0)]
@@ -74,13 +79,20 @@ def fruit_box(config: RobotConfig) -> list[Link | Joint]:
     rim = [box(0.012, 0.012, length + 0.012, (rim_x, s * 0.5 * width, z), "shell") for s in (1.0, -1.0)]
     rim += [box(0.012, width + 0.012, 0.012, (rim_x, 0.0, z + s * 0.5 * length), "shell") for s in (1.0, -1.0)]
     walls: tuple[Shape, ...] = (floor, *sides, *ends)
+    # to the physics the walls are thick outwards: a fruit that falls 15 mm in a tick does not pass one
+    thick = 0.02
+    hull = (
+        box(thick, width, length, (x - 0.5 * (depth + thick - t), 0.0, z)),
+        *(box(depth, thick, length, (x, s * 0.5 * (width + thick - t), z)) for s in (1.0, -1.0)),
+        *(box(depth, width, thick, (x, 0.0, z + s * 0.5 * (length + thick - t))) for s in (1.0, -1.0)),
+    )
     link = Link(
         "left_tool",
         mass_kg=config.arm.tool_kg,
         extent_m=(depth, width, length),
         com_m=(x, 0.0, z),
         visuals=(*walls, *rim),
-        collisions=walls,
+        collisions=hull,
     )
     return [link, Joint("left_flange", "left_forearm", "left_tool", (0.0, 0.0, -config.arm.forearm_m))]
 

@@ -9,7 +9,7 @@ from math import cos, pi, sin
 import numpy as np
 import numpy.typing as npt
 
-from robot_sim.greenhouse import Primitive, Rgba, Vec3, rotation
+from robot_sim.primitives import Primitive, Rgba, Vec3, rotation
 
 F64 = npt.NDArray[np.float64]
 SIDES = 8

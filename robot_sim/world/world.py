@@ -11,22 +11,26 @@ import numpy.typing as npt
 import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
-from robot_sim.actuators import JOINTS, WHEELS, axes
+from robot_sim.actuators import JOINT_INDEX, JOINTS, WHEELS, axes
 from robot_sim.commands import RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
-from robot_sim.greenhouse import Primitive, greenhouse, solid
+from robot_sim.greenhouse import greenhouse, solid
 from robot_sim.head_camera import projection_matrix, view_matrix
 from robot_sim.limiter import Goals, Setpoints, advance, home_setpoints, latch_estop, resolve
+from robot_sim.plants import Fruit
+from robot_sim.primitives import Primitive
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.world.contacts import Touch, away_from
+from robot_sim.world.crops import Crops, FruitContact, ToolPose
 from robot_sim.world.meshes import merge
 from robot_sim.world.tracks import Heading, track_speeds
 
 TICK_HZ = 240
 TICK_S = 1.0 / TICK_HZ
 """PyBullet's own default, on which its solver's settings rest."""
+CUTTER = JOINT_INDEX["cutter"]
 SKY_RGB = (214, 226, 230)
 """Diffuse glass behind everything."""
 
@@ -43,12 +47,14 @@ class World:
     _ticks: int
     _carried_s: float
     _reasons: tuple[str, ...]
+    _crops: Crops
+    _blades_closed: bool
 
     def __init__(self, config: RobotConfig | None = None, seed: int = 0) -> None:
         self.config = config or RobotConfig()
         self.seed = seed
-        self._scenery = greenhouse(self.config.greenhouse, seed)
-        self._meshes = merge(self._scenery)
+        self._greenhouse = greenhouse(self.config.greenhouse, seed)
+        self._meshes = merge(self._greenhouse.parts)
         self._client = BulletClient(pybullet.DIRECT)
         self._start()
 
@@ -58,8 +64,13 @@ class World:
         return robot_urdf(self.config)
 
     def scenery(self) -> tuple[Primitive, ...]:
-        """Everything in the greenhouse but the robot."""
-        return self._scenery
+        """Everything in the greenhouse but the robot, as it is at the start (RobotState.moved: what moved since)."""
+        return self._greenhouse.primitives
+
+    @property
+    def fruits(self) -> tuple[Fruit, ...]:
+        """All fruit as it grew; RobotState.fruits says what became of it."""
+        return self._greenhouse.fruits
 
     def step(self, command: RobotCommand, dt_s: float) -> RobotState:
         """Follow a command for ``dt_s`` seconds [s] and report.
@@ -82,7 +93,9 @@ class World:
             reasons |= dict.fromkeys(tick_reasons)
             self._drive_motors()
             self._client.stepSimulation()
+            self._cut_when_closed()
         self._ticks += ticks
+        self._observe_fruit()
         self._reasons = tuple(str(r) for r in reasons)
         return self.state()
 
@@ -108,6 +121,8 @@ class World:
             liquid=s.liquid,
             estop=s.estop,
             reasons=self._reasons,
+            fruits=self._crops.report(),
+            moved=self._crops.moved(),
         )
 
     def reset(self) -> RobotState:
@@ -171,6 +186,8 @@ class World:
         client.setPhysicsEngineParameter(fixedTimeStep=TICK_S, numSolverIterations=50, deterministicOverlappingPairs=1)
         self._load_scenery()
         self._load_robot()
+        self._crops = Crops(client, self._greenhouse.fruits, self.config.tool)
+        self._blades_closed = False
         # the chassis settles on its tracks before anybody looks
         for _ in range(TICK_HZ // 4):
             self._drive_motors()
@@ -184,7 +201,7 @@ class World:
         )
         floor = client.createMultiBody(0.0, client.createCollisionShape(pybullet.GEOM_PLANE), hidden)
         client.changeDynamics(floor, -1, lateralFriction=1.0)
-        boxes = solid(self._scenery)
+        boxes = solid(self._greenhouse.parts)
         shape = client.createCollisionShapeArray(
             shapeTypes=[pybullet.GEOM_BOX] * len(boxes),
             halfExtents=[[0.5 * s for s in b.size_m] for b in boxes],
@@ -222,6 +239,26 @@ class World:
             client.resetJointState(self._robot, joint, axis.home)
         chassis = self.config.chassis
         self._wheel_efforts = [chassis.motor_nm / 3.0] * len(WHEELS)
+
+    def _cut_when_closed(self) -> None:
+        closed = self._setpoints.position[CUTTER] >= self.config.tool.cutter.upper
+        if closed and not self._blades_closed:
+            self._crops.cut(self._tool_pose("right_tool"))
+        self._blades_closed = closed
+
+    def _observe_fruit(self) -> None:
+        index = self._crops.index
+        contacts = [
+            FruitContact(index[p[2]], p[3], p[9])
+            for p in self._client.getContactPoints(self._robot)
+            if p[2] in index and p[9] > 0.0
+        ]
+        fingers = (self._links["gripper_left_link"], self._links["gripper_right_link"])
+        self._crops.observe(contacts, fingers, self._tool_pose("left_tool"))
+
+    def _tool_pose(self, link: str) -> ToolPose:
+        state = self._client.getLinkState(self._robot, self._links[link], computeForwardKinematics=True)
+        return ToolPose(np.array(state[4]), np.array(self._client.getMatrixFromQuaternion(state[5])).reshape(3, 3))
 
     def _away_from_contacts(self, goals: Goals) -> Goals:
         points = self._client.getContactPoints(self._robot, self._obstacles)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from robot_sim.config import GreenhouseConfig, RobotConfig
-from robot_sim.greenhouse import Primitive, greenhouse, rotation, rpy_of, solid
+from robot_sim.greenhouse import greenhouse, solid
+from robot_sim.primitives import Primitive, rotation, rpy_of
 from robot_sim.world.meshes import merge, tessellate
 
 CONFIG = GreenhouseConfig()
@@ -18,25 +19,25 @@ TRIANGLES = {"box": 12, "cylinder": 32, "sphere": 80}
 def test_the_seed_decides_the_crop_and_nothing_else() -> None:
     assert greenhouse(CONFIG, 3) == greenhouse(CONFIG, 3)
     assert greenhouse(CONFIG, 3) != greenhouse(CONFIG, 4)
-    assert solid(greenhouse(CONFIG, 3)) == solid(greenhouse(CONFIG, 4))
+    assert solid(greenhouse(CONFIG, 3).parts) == solid(greenhouse(CONFIG, 4).parts)
 
 
 def test_names_are_unique_and_a_browser_can_draw_it() -> None:
-    parts = greenhouse(CONFIG)
+    parts = greenhouse(CONFIG).primitives
     assert len({p.name for p in parts}) == len(parts)
     assert sum(TRIANGLES[p.kind] for p in parts) <= 12_000
     assert all(isinstance(v, float) for p in parts for v in (*p.xyz_m, *p.rpy_rad, *p.size_m))
 
 
 def test_fruit_hangs_in_reach_and_nothing_solid_stands_in_the_aisle() -> None:
-    parts = greenhouse(CONFIG)
+    row = greenhouse(CONFIG)
     robot = RobotConfig()
-    cucumbers = [p for p in parts if p.name.startswith("cucumber") and p.name[-2] == "_" and "fruit" in p.name]
+    cucumbers = [f for f in row.fruits if f.crop == "cucumber"]
     assert len(cucumbers) >= 10
     reach = robot.arm.forward_offset_m + robot.arm.upper_m + robot.arm.forearm_m + 0.13
     assert all(0.5 < p.xyz_m[1] < reach for p in cucumbers)
     turning_circle = math.hypot(0.5 * robot.chassis.length_m, 0.5 * robot.chassis.width_m)
-    for p in solid(parts):
+    for p in solid(row.parts):
         assert abs(p.xyz_m[1]) - 0.5 * p.size_m[1] > turning_circle, p.name
 
 
@@ -61,7 +62,7 @@ def test_meshes_are_closed_and_face_outwards(part: Primitive, area: float) -> No
 
 
 def test_merging_keeps_every_triangle() -> None:
-    parts = greenhouse(CONFIG)
+    parts = greenhouse(CONFIG).parts
     meshes = merge(parts)
     assert sum(len(m.triangles) for m in meshes) == sum(len(tessellate(p)[2]) for p in parts)
     assert all(m.triangles.max() < len(m.vertices_m) for m in meshes)
@@ -71,3 +72,13 @@ def test_merging_keeps_every_triangle() -> None:
 def test_roll_pitch_yaw_round_trip() -> None:
     rpy = (0.4, -0.9, 2.5)
     assert rpy_of(rotation(rpy)) == pytest.approx(rpy)
+
+
+def test_fruit_hangs_apart_and_weighs_what_it_should() -> None:
+    for seed in range(4):
+        fruits = greenhouse(CONFIG, seed).fruits
+        for i, a in enumerate(fruits):
+            for b in fruits[:i]:
+                dx, dy, _ = (p - q for p, q in zip(a.xyz_m, b.xyz_m, strict=True))
+                assert math.hypot(dx, dy) > 0.05 or abs(a.xyz_m[2] - b.xyz_m[2]) > a.top_m + b.top_m, (a.name, b.name)
+        assert all(0.08 < f.mass_kg < 0.30 for f in fruits if f.crop == "cucumber")

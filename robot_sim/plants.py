@@ -1,0 +1,129 @@
+"""Plants as they grow: stem, leaves, and the fruit that hangs from its peduncle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Literal
+
+import numpy as np
+
+from robot_sim.config import GreenhouseConfig
+from robot_sim.primitives import Primitive, Rgba, Vec3, rod, rotation, rpy_of
+
+Crop = Literal["cucumber", "tomato"]
+STEM: Rgba = (0.36, 0.56, 0.22, 1.0)
+LEAVES: tuple[Rgba, ...] = ((0.13, 0.40, 0.15, 1.0), (0.17, 0.47, 0.18, 1.0), (0.23, 0.54, 0.22, 1.0))
+CUCUMBER: Rgba = (0.10, 0.34, 0.12, 1.0)
+CUCUMBER_TIP: Rgba = (0.46, 0.58, 0.24, 1.0)
+RIPE: Rgba = (0.83, 0.13, 0.09, 1.0)
+UNRIPE: tuple[Rgba, ...] = ((0.88, 0.45, 0.12, 1.0), (0.52, 0.65, 0.25, 1.0))
+
+FRUIT_KG_M3 = 950.0
+"""Cucumbers and tomatoes are nearly all water, and float."""
+PEDUNCLE_M = 0.08
+"""How far a fruit hangs under the bend of its peduncle; there the cutter can cut."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fruit:
+    """One fruit (a cucumber, or a truss of tomatoes) as it hangs at the start.
+
+    xyz_m: its middle; top_m: from there up to where the peduncle begins. parts: what moves with it.
+    """
+
+    name: str
+    crop: Crop
+    xyz_m: Vec3
+    top_m: float
+    mass_kg: float
+    ripe: bool
+    parts: tuple[Primitive, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """One plant: what stands still, its leaves among it, and its fruit."""
+
+    parts: tuple[Primitive, ...]
+    fruits: tuple[Fruit, ...]
+
+
+def grow(
+    config: GreenhouseConfig,
+    name: str,
+    crop: Crop,
+    x_m: float,
+    side: float,
+    rng: np.random.Generator,
+) -> Plant:
+    """A plant at ``x_m`` in the row on ``side`` (+1 left, -1 right of the aisle); ``rng`` decides how it grew."""
+    y0 = side * config.row_offset_m
+    z0 = config.gutter_height_m + 0.12
+    z1 = config.gutter_height_m + config.plant_height_m
+    parts = [rod(f"{name}_stem", (x_m, y0, z0), (x_m + rng.uniform(-0.04, 0.04), y0, z1), 0.009, STEM)]
+    for k in range(config.leaves_per_plant):
+        up = z0 + 0.10 + (z1 - z0 - 0.08) * (k + rng.uniform(0.0, 0.6)) / max(1, config.leaves_per_plant)
+        # leaves stand around the stem by the golden angle, as phyllotaxis has it
+        yaw = 2.399963 * k + float(rng.uniform(-0.3, 0.3))
+        size = float((0.22 if crop == "cucumber" else 0.17) * rng.uniform(0.75, 1.1))
+        reach = 0.06 + 0.45 * size
+        at = (float(x_m + reach * np.cos(yaw)), float(y0 + 0.75 * reach * np.sin(yaw)), float(up))
+        droop = float(rng.uniform(0.25, 0.75))
+        colour = LEAVES[int(rng.integers(len(LEAVES)))]
+        parts += _leaf(f"{name}_leaf_{k}", at, size, droop, yaw, crop == "cucumber", colour)
+    fruits = []
+    span = (config.fruit_high_m - config.fruit_low_m) / max(1, config.fruits_per_plant)
+    for k in range(config.fruits_per_plant):
+        # a truss bears several tomatoes: half as many of them
+        if crop == "tomato" and k % 2 == 1:
+            continue
+        z = float(config.fruit_low_m + span * (k + rng.uniform(0.1, 0.9)))
+        x = float(x_m + (-1) ** k * rng.uniform(0.06, 0.13))
+        y = float(side * (config.fruit_offset_m + rng.uniform(0.0, 0.04)))
+        make = _cucumber if crop == "cucumber" else _truss
+        fruit = make(f"{name}_fruit_{k}", (x, y, z), rng)
+        fruits.append(fruit)
+        top, bend = z + fruit.top_m, z + fruit.top_m + PEDUNCLE_M
+        parts.append(rod(f"{fruit.name}_peduncle", (x, y, top), (x, y, bend), 0.0035, STEM))
+        parts.append(rod(f"{fruit.name}_branch", (x, y, bend), (x_m, y0, bend + 0.05), 0.0035, STEM))
+    return Plant(tuple(parts), tuple(fruits))
+
+
+def _cucumber(name: str, at: Vec3, rng: np.random.Generator) -> Fruit:
+    length, radius = float(rng.uniform(0.16, 0.20)), float(rng.uniform(0.017, 0.021))
+    turned = (0.0, 0.0, float(rng.uniform(0.0, pi)))
+    parts = (
+        Primitive(name, "cylinder", (radius, length), at, turned, CUCUMBER),
+        Primitive(f"{name}_tip", "cylinder", (radius * 0.72, length + 0.024), at, turned, CUCUMBER_TIP),
+    )
+    mass = FRUIT_KG_M3 * pi * radius**2 * length
+    return Fruit(name, "cucumber", at, 0.5 * length, mass, True, parts)
+
+
+def _truss(name: str, at: Vec3, rng: np.random.Generator) -> Fruit:
+    ripe = bool(rng.random() < 0.65)
+    x, y, z = at
+    parts = [rod(f"{name}_axis", (x, y, z + 0.07), (x, y, z - 0.05), 0.003, STEM)]
+    mass = 0.0
+    for k in range(3):
+        radius = float(rng.uniform(0.017, 0.021))
+        centre = (x + 0.020 * (-1) ** k, y + 0.014 * (-1) ** (k // 2), z + 0.040 - 0.042 * k)
+        colour = RIPE if ripe else UNRIPE[k % 2]
+        parts.append(Primitive(f"{name}_{k}", "sphere", (radius,), centre, (0.0, 0.0, 0.0), colour))
+        mass += FRUIT_KG_M3 * 4.0 / 3.0 * pi * radius**3
+    return Fruit(name, "tomato", at, 0.07, mass, ripe, tuple(parts))
+
+
+def _leaf(name: str, xyz: Vec3, size: float, droop: float, yaw: float, lobed: bool, rgba: Rgba) -> list[Primitive]:
+    """A blade that droops away from the stem; two turned squares make a cucumber's lobes, one a tomato's leaflet."""
+    thin = 0.004
+    blade = Primitive(name, "box", (size, (0.80 if lobed else 0.42) * size, thin), xyz, (0.0, droop, yaw), rgba)
+    if not lobed:
+        # two leaflets beside the end one
+        across = rotation((0.0, droop, yaw)) @ np.array([-0.18 * size, 0.0, 0.003])
+        at = (xyz[0] + float(across[0]), xyz[1] + float(across[1]), xyz[2] + float(across[2]))
+        pair = Primitive(f"{name}_pair", "box", (0.30 * size, 0.95 * size, thin), at, (0.0, droop, yaw), rgba)
+        return [blade, pair]
+    turned = rpy_of(rotation((0.0, droop, yaw)) @ rotation((0.0, 0.0, 0.25 * pi)))
+    return [blade, Primitive(f"{name}_lobe", "box", (0.72 * size, 0.72 * size, 1.5 * thin), xyz, turned, rgba)]
