@@ -119,21 +119,29 @@ def render_dataset(
 
 def load_images(folder: Path, split: Split, frames: int) -> Images:
     """Load rendered frames (rounded up to whole chunks). Raises DataError when one is missing."""
-    chunks = []
-    for first in range(0, frames, CHUNK):
-        path = chunk_path(folder, split, first)
+    paths = [chunk_path(folder, split, first) for first in range(0, frames, CHUNK)]
+    for path in paths:
         if not path.is_file():
             raise DataError(
                 f"training frames '{path}' are missing; run 'teleop train' again, it renders what is missing"
             )
+    small = []
+    for path in paths:
         with np.load(path) as data:
-            chunks.append({name: data[name] for name in data.files})
-    rows = np.concatenate([c["rows"] for c in chunks])
+            small.append({name: data[name] for name in ("rows", "joints_m", "visible")})
+    rows = np.concatenate([c["rows"] for c in small])
     sizes = (rows[:, 0] * rows[:, 1]).astype(np.int64)
+    starts = np.concatenate([[0], np.cumsum(sizes)])
+    # filled chunk by chunk: joining copies would need twice the memory
+    flat_mm, part = np.empty(starts[-1], np.int16), np.empty(starts[-1], np.uint8)
+    for n, path in enumerate(paths):
+        with np.load(path) as data:
+            piece = slice(starts[n * CHUNK], starts[(n + 1) * CHUNK])
+            flat_mm[piece], part[piece] = data["flat_mm"], data["part"]
     return Images(
-        flat_mm=np.concatenate([c["flat_mm"] for c in chunks]),
-        part=np.concatenate([c["part"] for c in chunks]),
-        starts=np.concatenate([[0], np.cumsum(sizes)[:-1]]),
+        flat_mm=flat_mm,
+        part=part,
+        starts=starts[:-1],
         widths=rows[:, 0].astype(np.int32),
         heights=rows[:, 1].astype(np.int32),
         u0=rows[:, 2].astype(np.int32),
@@ -141,8 +149,8 @@ def load_images(folder: Path, split: Split, frames: int) -> Images:
         cx=rows[:, 4],
         cy=rows[:, 5],
         focal_px=rows[:, 6],
-        joints_m=np.concatenate([c["joints_m"] for c in chunks]),
-        visible=np.concatenate([c["visible"] for c in chunks]),
+        joints_m=np.concatenate([c["joints_m"] for c in small]),
+        visible=np.concatenate([c["visible"] for c in small]),
     )
 
 

@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.joints import JOINT_INDEX
+from teleop.angles import body_angles
+from teleop.config.intent import AngleConfig
+from teleop.skeleton import Skeleton
 
 NEAR_M: Final = 0.10
 """A joint nearer to the truth than this is found (Shotton 2011)."""
@@ -22,9 +24,6 @@ ANGLES: Final = (
     "T1",
     "T2",
 )
-MIN_PROJECTION: Final = 0.5
-"""A shoulder angle counts where the upper arm's projection is at least this share of its length."""
-
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
@@ -76,32 +75,12 @@ def average_precision(near: Bools, confidence: Floats, answered: Bools, present:
     return float(precision[hits].sum() / total)
 
 
-def body_angles_deg(joints_m: Floats) -> Floats:
-    """Angles (F, 8) of ANGLES from joints (F, 20, 3); NaN where a joint is unknown or a projection too short.
-
-    Source eq. (14)-(21) for the arms, (8)-(13) for the legs.
-    """
-
-    def p(name: str) -> Floats:
-        return np.asarray(joints_m[:, JOINT_INDEX[name]])
-
-    columns = []
-    down = np.array([0.0, -1.0])
-    for side in ("right", "left"):
-        upper = p(f"elbow_{side}") - p(f"shoulder_{side}")
-        length = np.linalg.norm(upper, axis=1)
-        for axes in ((0, 1), (2, 1)):
-            flat = upper[:, axes]
-            angle = _between(flat, np.broadcast_to(down, flat.shape))
-            columns.append(np.where(np.linalg.norm(flat, axis=1) > MIN_PROJECTION * length, angle, np.nan))
-        columns.append(_between(-upper, p(f"wrist_{side}") - p(f"elbow_{side}")))
-    right, left = (p(f"knee_{s}") - p(f"hip_{s}") for s in ("right", "left"))
-    columns += [_between(right[:, axes], left[:, axes]) for axes in ((0, 1), (2, 1))]
-    return np.stack(columns, axis=1)
-
-
-def _between(a: Floats, b: Floats) -> Floats:
-    """Angle (F,) in degrees between vectors (F, n), NaN where one is unknown."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        cosine = (a * b).sum(axis=1) / (np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1))
-    return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+def body_angles_deg(joints_m: Floats, visible: Bools, config: AngleConfig) -> Floats:
+    """Angles (F, 8) of ANGLES in degrees from joints (F, 20, 3); NaN where a joint is not ``visible`` or unknown."""
+    rows = []
+    for joints, seen in zip(joints_m, visible, strict=True):
+        found = body_angles(Skeleton(0, np.where(seen[:, None], joints, np.nan), np.ones(len(seen))), config)
+        arms = (found.right, found.left)
+        values = [v for arm in arms for v in (arm.theta1_deg, arm.theta2_deg, arm.theta3_deg)]
+        rows.append([np.nan if v is None else v for v in (*values, found.T1_deg, found.T2_deg)])
+    return np.array(rows, dtype=np.float64)
