@@ -43,7 +43,10 @@ def listen(settings: Settings) -> socket.socket:
 def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     """Load, run until Ctrl-C or SIGTERM, shut down. Raises TeleopError when the source or the model is wrong."""
     tell("loading")
-    from robot_sim.world import World
+    from server.quiet import quiet_stdout
+
+    with quiet_stdout():
+        from robot_sim.world import World
     from server.app import create_app
     from server.engine.engine import Engine
     from server.library import Library
@@ -59,7 +62,8 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     tell("reading the body model")
     tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
     tell("building the greenhouse")
-    world = World(settings.robot)
+    with quiet_stdout():
+        world = World(settings.robot)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events)
     library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
     engine = Engine(settings, tracker, world, hub)

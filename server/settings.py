@@ -47,7 +47,7 @@ class StreamConfig(Section):
         default=4.5, ge=0.5, le=15.0, description="depth drawn in the last colour of the map [m]"
     )
     head_hz: float = Field(default=3.0, ge=0.2, le=15.0, description="head camera pictures while somebody looks [1/s]")
-    head_width_px: int = Field(default=320, ge=80, le=1280, description="width of the head camera picture, 4:3 [px]")
+    head_width_px: int = Field(default=240, ge=80, le=1280, description="width of the head camera picture, 4:3 [px]")
     max_events: int = Field(
         default=500, ge=16, le=100_000, description="unsent events after which a stalled client is closed"
     )
