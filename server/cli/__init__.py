@@ -15,6 +15,7 @@ from server.cli.doctor import doctor
 from server.cli.evaluate import evaluate
 from server.cli.info import info
 from server.cli.serve import serve
+from server.cli.study import study_app
 from server.cli.track import track
 from server.cli.train import train
 
@@ -27,6 +28,7 @@ app = typer.Typer(
 )
 for command in (serve, track, info, convert, doctor, train, evaluate):
     app.command()(command)
+app.add_typer(study_app, name="study")
 
 
 def main() -> None:
