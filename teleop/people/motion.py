@@ -67,12 +67,13 @@ def _mix_arm(a: ArmKey, b: ArmKey, s: float) -> ArmKey:
 
 
 def _legs(apart: float, swing: float, lift: tuple[float, float], along: Floats) -> tuple[LegPose, LegPose]:
-    """Legs apart to the sides, swung along the walk (one forward, one back), knees lifted in turn."""
+    """Legs apart to the sides, swung along the walk (one ahead, one behind), knees lifted in turn."""
     legs = []
     for sign, raised in ((1.0, lift[0]), (-1.0, lift[1])):
         side = np.array([sign * np.tan(apart / 2), 0.0, 0.0])
-        thigh = unit(np.array(DOWN) + side + np.tan(sign * swing + 0.5 * raised) * along)
-        shin = unit(np.array(DOWN) + side + np.tan(sign * swing - 0.6 * raised) * along)
+        leg = np.array(DOWN) + side + np.tan(sign * swing) * along
+        thigh = unit(leg + np.tan(0.5 * raised) * np.array(FORWARD))
+        shin = unit(leg - np.tan(0.6 * raised) * np.array(FORWARD))
         legs.append(LegPose(thigh, shin, yaw(-sign * 0.12) @ np.array(FORWARD)))
     return legs[0], legs[1]
 
@@ -105,7 +106,8 @@ class Motion:
         along = turn.T @ np.array([dx, 0.0, dz]) / distance if distance > 1e-6 else np.array(FORWARD)
         stride = np.pi * (self._walked_m[i] + s * distance) / _STEP_M
         vigour = min(1.0, speed / 0.6)
-        swing = _SWING_RAD * vigour * float(np.sin(stride))
+        # Sideways the legs open and close but do not cross.
+        swing = _SWING_RAD * vigour * float(np.sin(stride)) * (1.0 - 0.6 * abs(float(along[0])))
         lift = tuple(vigour * 0.75 * max(0.0, sign * float(np.cos(stride))) for sign in (1.0, -1.0))
         legs = _legs((1 - s) * a.apart_rad + s * b.apart_rad, swing, (lift[0], lift[1]), along)
         sway = 0.012 * np.sin(2 * np.pi * np.array([0.31, 0.23, 0.37, 0.29, 0.9, 1.1, 0.8, 1.3]) * t_s + self._phase)

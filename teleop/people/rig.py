@@ -120,3 +120,25 @@ def neck_base_m(head_m: Floats) -> Floats:
     hips = 0.5 * (head_m[BONE["thigh_right"]] + head_m[BONE["thigh_left"]])
     shoulders = 0.5 * (head_m[BONE["upper_arm_right"]] + head_m[BONE["upper_arm_left"]])
     return hips + NECK_BASE_L * (shoulders - hips)
+
+
+def arms_in_trunk(rig: Rig, posed: Posed) -> bool:
+    """Whether a hand, a wrist or the middle of a forearm lies inside the trunk, taken as an elliptic cylinder."""
+    hips = 0.5 * (rig.bone("thigh_right") + rig.bone("thigh_left"))
+    shoulders = 0.5 * (rig.bone("upper_arm_right") + rig.bone("upper_arm_left"))
+    half = abs(float(rig.bone("upper_arm_right")[0] - shoulders[0]))
+    points = []
+    for i, side in enumerate(SIDES):
+        elbow, hand = posed.p_m[BONE[f"forearm_{side}"]], BONE[f"hand_{side}"]
+        wrist = posed.p_m[hand]
+        knuckles = posed.R[hand] @ (rig.knuckles_m[i] - rig.head_m[hand]) + wrist
+        points += [0.5 * (elbow + wrist), wrist, knuckles, 1.8 * knuckles - 0.8 * wrist]
+    for name in ("pelvis", "chest"):
+        b = BONE[name]
+        rest = (np.stack(points) - posed.p_m[b]) @ posed.R[b] + rig.head_m[b]
+        t = (rest - hips) @ (shoulders - hips) / ((shoulders - hips) @ (shoulders - hips))
+        d = rest - (hips + t[:, None] * (shoulders - hips))
+        level = (t > -0.15) & (t < 0.45) if name == "pelvis" else (t >= 0.35) & (t < 1.1)
+        if bool((level & ((d[:, 0] / (0.80 * half)) ** 2 + (d[:, 2] / (0.62 * half)) ** 2 < 1.0)).any()):
+            return True
+    return False

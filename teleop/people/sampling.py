@@ -22,7 +22,7 @@ from teleop.people.makehuman import makehuman_body
 from teleop.people.mocap import library
 from teleop.people.moves import jittered, random_pose
 from teleop.people.pose import Pose, pose_rig, yaw
-from teleop.people.rig import Floats
+from teleop.people.rig import Floats, arms_in_trunk
 from teleop.people.room import random_room
 from teleop.people.scene import Figure, shoot, stand
 from teleop.people.sensor import sense
@@ -31,6 +31,8 @@ from teleop.people.shape import random_shape
 from teleop.people.view import View, sensor_view, visible_joints
 
 Split = Literal["train", "validation", "test"]
+_TRIES: Final = 4
+"""Poses drawn at most, to find one whose arms do not run through the trunk."""
 _PEOPLE: Final = {"train": 400, "validation": 60, "test": 80}
 _SEED: Final = {"train": 11, "validation": 22, "test": 33}
 
@@ -84,8 +86,11 @@ def _figure(rng: np.random.Generator, split: str, x_m: float, z_m: float) -> Fig
     """Somebody of the split, dressed, posed, standing at (x, z) and turned by up to 45 degrees."""
     body = person(split, int(rng.integers(_PEOPLE[split])))
     worn = dress(body, random_wardrobe(rng), int(rng.integers(2**31)))
-    pose = _sample_pose(rng, split)
-    posed = pose_rig(body.rig, pose)
+    for _ in range(_TRIES):
+        pose = _sample_pose(rng, split)
+        posed = pose_rig(body.rig, pose)
+        if not arms_in_trunk(body.rig, posed):
+            break
     turn = yaw(np.radians(rng.uniform(-45, 45) if rng.uniform() < 0.5 else rng.normal(0, 10)))
     return Figure(body, worn, pose, stand(posed, skin(body, posed, worn.vertices_m), x_m, z_m, turn))
 
