@@ -188,6 +188,7 @@ export const en = {
   "reason.hold.hand_not_changed": "Open or close the hand once to take the tool",
   "reason.hold.arm_locked": "This arm is locked in the present task",
   "reason.hold.disc_turning": "The disc is turning; the arms are locked",
+  "reason.hold.not_facing": "Face the sensor: the arms wait",
   "reason.hold.not_engaged": "Not engaged: hold both open hands beside your head",
   "reason.hold.no_frame": "No new picture; the robot waits",
   "reason.stop.estop": "Emergency stop",

@@ -173,6 +173,7 @@ export const zh: Record<keyof typeof en, string> = {
   "reason.hold.hand_not_changed": "请张开或握拳一次以接管工具",
   "reason.hold.arm_locked": "当前任务中此臂锁定",
   "reason.hold.disc_turning": "转盘转动中，手臂锁定",
+  "reason.hold.not_facing": "请面向传感器，手臂等待",
   "reason.hold.not_engaged": "未接管：双手张开举到头两侧",
   "reason.hold.no_frame": "没有新画面，机器人等待",
   "reason.stop.estop": "急停",

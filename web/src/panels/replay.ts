@@ -11,7 +11,7 @@ import type { RecordingsDialog } from "./recordings";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8] as const;
 const STEP_S = 5;
-/** After a seek the slider waits this long for the server to arrive there. */
+/** After a change the controls wait this long for states that know of it. */
 const SETTLE_MS = 600;
 
 export class ReplayPanel implements Panel {
@@ -39,7 +39,7 @@ export class ReplayPanel implements Panel {
       this.dragging = false;
       this.seek(Number(this.slider.value));
     });
-    this.speed.addEventListener("change", () => void act(api.speed(Number(this.speed.value))));
+    this.speed.addEventListener("change", () => this.sendSpeed());
     const open = translated(h("button", { class: "button", type: "button" }), "replay.recordings");
     open.prepend(icon("files"));
     open.addEventListener("click", () => void recordings.open());
@@ -65,10 +65,15 @@ export class ReplayPanel implements Panel {
 
   /** One speed up or down. */
   changeSpeed(steps: number): void {
-    if (this.source?.live !== false) return;
-    const at = SPEEDS.findIndex((speed) => speed >= (this.source?.speed ?? 1));
-    const speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, (at < 0 ? 2 : at) + steps))];
-    if (speed !== undefined) void act(api.speed(speed));
+    const index = this.speed.selectedIndex + steps;
+    if (this.source?.live !== false || index < 0 || index >= SPEEDS.length) return;
+    this.speed.selectedIndex = index;
+    this.sendSpeed();
+  }
+
+  private sendSpeed(): void {
+    this.quiet_until_ms = performance.now() + SETTLE_MS;
+    void act(api.speed(Number(this.speed.value)));
   }
 
   private seek(position_s: number): void {

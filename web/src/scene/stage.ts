@@ -55,7 +55,10 @@ export class Stage {
   private fenced_ms = 0;
   private finished_ms = -Infinity;
   private cost_ms = 0;
-  private shown_ms = 0;
+  private wanted = false;
+  private compiled = false;
+  private told_ms = -Infinity;
+  private told_triangles = -1;
 
   constructor(
     private readonly box: HTMLElement,
@@ -145,7 +148,17 @@ export class Stage {
     this.invalidate();
   }
 
+  /** At most twice a second, and whenever there is more or less to draw. */
+  private tell(now_ms: number): void {
+    const { triangles } = this.renderer.info.render;
+    if (triangles === this.told_triangles && now_ms - this.told_ms < 500) return;
+    this.told_ms = now_ms;
+    this.told_triangles = triangles;
+    this.report(triangles, this.cost_ms);
+  }
+
   private invalidate(): void {
+    this.wanted = true;
     if (this.scheduled) return;
     this.scheduled = true;
     requestAnimationFrame(this.tick);
@@ -153,20 +166,19 @@ export class Stage {
 
   private readonly tick = (now_ms: number): void => {
     const early = now_ms - this.drawn_ms < MIN_PERIOD_MS - 4 || now_ms - this.finished_ms < this.rest * this.cost_ms;
-    if (!this.finished(now_ms) || early) {
-      requestAnimationFrame(this.tick);
+    const finished = this.finished(now_ms);
+    if (finished && !this.wanted) {
+      this.scheduled = false;
       return;
     }
-    this.scheduled = false;
+    requestAnimationFrame(this.tick);
+    if (early || !finished) return;
+    this.wanted = false;
     this.drawn_ms = now_ms;
     this.renderer.render(this.scene, this.camera);
     this.fenced_ms = performance.now();
     this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();
-    if (now_ms - this.shown_ms > 500) {
-      this.shown_ms = now_ms;
-      this.report(this.renderer.info.render.triangles, this.cost_ms);
-    }
   };
 
   /** Whether the last picture is complete; measures how long it took. */
@@ -176,7 +188,11 @@ export class Stage {
     this.gl.deleteSync(this.fence);
     this.fence = null;
     this.finished_ms = now_ms;
-    this.cost_ms += 0.2 * (Math.max(0, now_ms - this.fenced_ms) - this.cost_ms);
+    const spent_ms = Math.max(0, now_ms - this.fenced_ms);
+    // The first picture compiles the shaders; it says nothing about the next ones.
+    if (this.compiled) this.cost_ms += 0.2 * (spent_ms - this.cost_ms);
+    this.compiled = true;
+    this.tell(now_ms);
     return true;
   }
 }

@@ -1,0 +1,78 @@
+"""One server and one Chromium for all browser tests; every page fails its test when it logs an error."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from console_server import ROOT, ConsoleServer
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+
+CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# Software rendering everywhere: the tests see the same picture with and without a GPU. No calls to anybody outside.
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        system = next((path for name in CHROMIUM_NAMES if (path := shutil.which(name))), None)
+        own = Path(playwright.chromium.executable_path)
+        if system is None and not own.exists():
+            pytest.skip("no Chromium here: apt install chromium, or .venv/bin/playwright install chromium")
+        chromium = playwright.chromium.launch(executable_path=system or str(own), args=list(FLAGS))
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ConsoleServer]:
+    if not (ROOT / "server" / "console" / "index.html").is_file():
+        pytest.skip("the console is not built: make setup")
+    server = ConsoleServer(tmp_path_factory.mktemp("console"))
+    try:
+        server.start()
+        yield server
+    finally:
+        server.stop()
+
+
+@pytest.fixture
+def logged(server: ConsoleServer) -> list[str]:
+    """Errors that the page logged; a test that expects some takes them out."""
+    return []
+
+
+@pytest.fixture
+def page(browser: Browser, server: ConsoleServer, logged: list[str]) -> Iterator[Page]:
+    """The console, connected, at 1440x900, with the emergency stop released before and after."""
+    server.post("/estop/reset")
+    server.post("/replay/play")
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, locale="en-GB", color_scheme="dark")
+    page = context.new_page()
+
+    def note(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            logged.append(message.text)
+
+    page.on("console", note)
+    page.on("pageerror", lambda error: logged.append(str(error)))
+    page.goto(server.url)
+    page.locator(".link[data-link=open]").wait_for(timeout=20_000)
+    yield page
+    context.close()
+    server.post("/estop/reset")
+    server.post("/replay/play")
+    assert logged == []

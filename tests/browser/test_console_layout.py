@@ -1,0 +1,49 @@
+"""The console on a phone, a laptop, a large screen: nothing runs over the edge; screenshots to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+pytestmark = pytest.mark.browser
+
+SIZES = [(360, 780), (820, 1180), (1440, 900), (3840, 2160)]
+BEYOND_THE_EDGE = """() => [...document.querySelectorAll('#console *')]
+  .filter(e => { const r = e.getBoundingClientRect(); return r.width && (r.right > innerWidth + 1 || r.left < -1); })
+  .map(e => e.className.baseVal ?? e.className)"""
+
+
+@pytest.mark.parametrize("theme", ["dark", "light"])
+@pytest.mark.parametrize(("width", "height"), SIZES)
+def test_nothing_overflows(page: Page, tmp_path: Path, width: int, height: int, theme: str) -> None:
+    page.set_viewport_size({"width": width, "height": height})
+    if page.locator("html").get_attribute("data-theme") != theme:
+        page.keyboard.press("t")
+    expect(page.locator("html")).to_have_attribute("data-theme", theme)
+    page.wait_for_timeout(300)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.evaluate(BEYOND_THE_EDGE) == []
+    box = page.locator(".estop").bounding_box()
+    assert box is not None
+    assert box["width"] >= 80
+    assert box["height"] >= 48
+    assert box["y"] + box["height"] <= height
+    shot = tmp_path / f"console_{width}x{height}_{theme}.png"
+    page.screenshot(path=shot, full_page=True)
+    assert shot.stat().st_size > 20_000
+
+
+def test_stop_stays_in_reach_when_a_phone_is_scrolled(page: Page) -> None:
+    page.set_viewport_size({"width": 360, "height": 780})
+    page.locator(".panel-events").scroll_into_view_if_needed()
+    expect(page.locator(".estop")).to_be_in_viewport()
+
+
+def test_help_names_the_keys(page: Page) -> None:
+    page.keyboard.press("?")
+    sheet = page.locator(".sheet[open]")
+    expect(sheet).to_contain_text("emergency stop, always")
+    page.keyboard.press("Escape")
+    expect(sheet).to_have_count(0)
