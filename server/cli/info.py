@@ -18,8 +18,13 @@ def info(
     seconds: Annotated[
         float | None, typer.Option(min=0.1, help="Read only this many seconds (live sources: 2).")
     ] = None,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="First make a recording that was cut off whole again, in place.")
+    ] = False,
 ) -> None:
     """Tell what a source holds: camera, frames, rate, gaps, depth, colour, topics, metadata."""
+    if repair:
+        _repair(source)
     from server.cli.progress import frame_progress
     from teleop.recording.summary import summarise
     from teleop.sources import open_source
@@ -41,6 +46,15 @@ def info(
     from rich.console import Console
 
     Console(soft_wrap=True).print(_table(summary))
+
+
+def _repair(source: str) -> None:
+    from pathlib import Path
+
+    from teleop.recording.repair import repair
+
+    saved = repair(Path(source))
+    typer.echo(f"{source}: {saved} messages saved" if saved else f"{source} is whole", err=True)
 
 
 def _table(s: SourceSummary) -> Table:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -16,7 +16,7 @@ import zstandard
 from google.protobuf.message import DecodeError
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk
+from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
 from mcap_protobuf.decoder import DecoderFactory
 
@@ -96,7 +96,7 @@ class McapFile:
 
     def schema_name(self, topic: str) -> str:
         """Name of the topic's schema, empty when it has none."""
-        schema = self._scan.schemas.get(self._topics[topic].channel.schema_id)
+        schema = self.schema(topic)
         return schema.name if schema else ""
 
     def payload(self, topic: str, number: int) -> bytes:
@@ -111,6 +111,24 @@ class McapFile:
         if found is None or found[0] != index.channel.id:
             raise RecordingError(f"{self.path}: the index points to no message at chunk {chunk}; the file is damaged")
         return bytes(found[1])
+
+    def in_file_order(self) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, log time and raw bytes of every message, chunk after chunk."""
+        every = [
+            (int(chunk), int(offset), topic, number)
+            for topic, index in self._topics.items()
+            for number, (chunk, offset) in enumerate(zip(index.chunk, index.offset, strict=True))
+        ]
+        for _, _, topic, number in sorted(every):
+            yield topic, int(self._topics[topic].t_ns[number]), self.payload(topic, number)
+
+    def all_metadata(self) -> list[tuple[str, dict[str, str]]]:
+        """Every metadata record."""
+        return [(m.name, dict(m.metadata)) for m in self._scan.metadata]
+
+    def schema(self, topic: str) -> Schema | None:
+        """The topic's schema as it stands in the file."""
+        return self._scan.schemas.get(self._topics[topic].channel.schema_id)
 
     def message(self, topic: str, number: int) -> Any:
         """One protobuf message, decoded with the schema in the file. Raises RecordingError."""

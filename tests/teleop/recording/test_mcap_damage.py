@@ -17,11 +17,14 @@ from foxglove.mcap import MCAPCompression, MCAPWriteOptions
 from foxglove.messages import CompressedImage, RawImage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
 from recording_frames import PERIOD_NS, camera, frames
 
 from teleop.errors import RecordingError
 from teleop.frames import DepthFrame
 from teleop.recording import McapSource, McapWriter, topics
+from teleop.recording.repair import repair
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +98,8 @@ def test_noise_behind_the_magic_is_an_error(tmp_path: Path, noise: bytes) -> Non
 RECORD_FOREVER = """
 import sys, time
 sys.path.insert(0, sys.argv[2])
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
 from recording_frames import camera, frames
 from teleop.recording import McapWriter
 made = frames(3000)
@@ -122,6 +127,41 @@ def test_killed_while_recording_at_most_a_second_is_lost(tmp_path: Path, kill_af
     assert source.truncated is not None
     assert last_ns - read[-1].t_ns <= 1_000_000_000
     np.testing.assert_array_equal(read[-1].depth_mm, frames(len(read))[-1].depth_mm)
+
+
+def test_a_killed_recording_is_made_whole(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(whole[: len(whole) * 2 // 3])
+    before = read_all(path)
+    rows = len(list(McapSource(path).rows(topics.TRACK)))
+    saved = repair(path)
+    source = McapSource(path)
+    assert source.truncated is None
+    assert source.metadata["format_version"] == "1"
+    assert len(list(source.rows(topics.TRACK))) == rows
+    for first, second in zip(before, source.frames(), strict=True):
+        assert first.t_ns == second.t_ns
+        np.testing.assert_array_equal(first.depth_mm, second.depth_mm)
+        np.testing.assert_array_equal(first.color_rgb, second.color_rgb)
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary is not None and summary.statistics is not None
+        assert summary.statistics.message_count == saved
+        depth = [m.decoded_message for m in reader.iter_decoded_messages(topics=[topics.DEPTH])]
+    assert [image.data for image in depth] == [f.depth_mm.tobytes() for f in before]
+    assert repair(path) == 0
+    assert [p.name for p in tmp_path.iterdir()] == ["cut.mcap"]
+
+
+def test_what_cannot_be_repaired_stays_as_it_is(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "stub.mcap"
+    path.write_bytes(whole[:60])
+    with pytest.raises(RecordingError, match="nothing can be saved"):
+        repair(path)
+    assert path.read_bytes() == whole[:60]
+    with pytest.raises(RecordingError, match="no recording at"):
+        repair(tmp_path / "none.mcap")
 
 
 def foreign(path: Path, options: MCAPWriteOptions | None = None, *, color: bool = False, **image: object) -> None:

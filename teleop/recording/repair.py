@@ -1,0 +1,58 @@
+"""A recording that was cut off, made whole again: every readable message, and the index that other readers need."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mcap.writer import CompressionType, Writer
+
+from teleop.errors import RecordingError
+from teleop.recording.mcap_file import McapFile
+from teleop.recording.writer import CHUNK_BYTES
+
+
+def repair(path: Path) -> int:
+    """Rewrite a recording that was cut off, in place; a whole one is left alone.
+
+    Returns the number of messages saved, 0 when there was nothing to do. Raises RecordingError; then the file is as
+    it was.
+    """
+    file = McapFile(path)
+    partial = path.with_name(path.name + ".partial")
+    try:
+        if file.truncated is None:
+            return 0
+        if not file.topics:
+            raise RecordingError(f"{path} holds no complete chunk of messages; nothing can be saved")
+        count = _copy(file, partial)
+        partial.replace(path)
+    except OSError as error:
+        raise RecordingError(f"cannot write {partial}: {error.strerror or error}") from None
+    finally:
+        file.close()
+        partial.unlink(missing_ok=True)
+    return count
+
+
+def _copy(file: McapFile, output: Path) -> int:
+    count = 0
+    with output.open("wb") as stream:
+        writer = Writer(stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        writer.start()
+        for name, content in file.all_metadata():
+            writer.add_metadata(name, content)
+        channels: dict[str, int] = {}
+        schemas: dict[int, int] = {0: 0}
+        for topic, t_ns, data in file.in_file_order():
+            if topic not in channels:
+                channel, schema = file.topics[topic].channel, file.schema(topic)
+                if schema is not None and schema.id not in schemas:
+                    schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
+                schema_id = schemas[schema.id] if schema is not None else 0
+                channels[topic] = writer.register_channel(
+                    topic, channel.message_encoding, schema_id, dict(channel.metadata)
+                )
+            writer.add_message(channels[topic], t_ns, data, publish_time=t_ns, sequence=count)
+            count += 1
+        writer.finish()
+    return count
