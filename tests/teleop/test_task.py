@@ -1,5 +1,7 @@
 """Picking or spraying, and the head camera, from the legs."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from stick_figure import Person, skeleton
@@ -41,7 +43,7 @@ def test_standing_on_the_threshold_for_a_minute_never_flips(apart_deg: float) ->
         T1 += [leg_angles(skeleton(Person(legs_apart_deg=apart_deg), rng=rng), AngleConfig())[0] for _ in range(1800)]
         out = tasks(T1)[60:]
         # a threshold's own edge may be crossed once, never to and fro
-        changes = sum(a is not b for a, b in zip(out, out[1:], strict=False))
+        changes = sum(a is not b for a, b in pairwise(out))
         assert changes <= (0 if apart_deg == 12.0 else 1)
 
 

@@ -8,7 +8,7 @@ from teleop.intent_types import Hand, Hands, Mode
 from teleop.reasons import Reason
 from teleop.tools import ToolState, rest, step_tools, tool_events
 
-O, F, U = Hand.OPEN, Hand.FIST, Hand.UNKNOWN
+OPEN, FIST, NONE = Hand.OPEN, Hand.FIST, Hand.UNKNOWN
 
 
 def run(task: Mode, hands: list[tuple[Hand, Hand]], state: ToolState = ToolState()) -> list[ToolState]:
@@ -20,29 +20,41 @@ def run(task: Mode, hands: list[tuple[Hand, Hand]], state: ToolState = ToolState
 
 
 def test_gripper_waits_for_a_change_and_then_follows_the_right_hand() -> None:
-    states = run(Mode.PICKING, [(O, U), (O, U), (F, U), (U, U), (O, U)])
+    states = run(Mode.PICKING, [(OPEN, NONE), (OPEN, NONE), (FIST, NONE), (NONE, NONE), (OPEN, NONE)])
     assert [s.gripper_open for s in states] == [None, None, False, False, True]
 
 
 def test_cutter_follows_the_left_fist() -> None:
-    states = run(Mode.PICKING, [(U, O), (U, F), (U, F), (U, U), (U, O)])
+    states = run(Mode.PICKING, [(NONE, OPEN), (NONE, FIST), (NONE, FIST), (NONE, NONE), (NONE, OPEN)])
     assert [s.cutter_closed for s in states] == [False, True, True, False, False]
-    assert not run(Mode.PICKING, [(U, F), (U, F)])[-1].cutter_closed
+    assert not run(Mode.PICKING, [(NONE, FIST), (NONE, FIST)])[-1].cutter_closed
 
 
 def test_spray_starts_on_fist_to_open_only() -> None:
-    assert not any(s.spray_on for s in run(Mode.SPRAYING, [(O, U)] * 5))
-    states = run(Mode.SPRAYING, [(O, U), (F, U), (O, U), (U, U), (O, U), (F, U), (O, U), (F, U)])
+    assert not any(s.spray_on for s in run(Mode.SPRAYING, [(OPEN, NONE)] * 5))
+    states = run(
+        Mode.SPRAYING,
+        [
+            (OPEN, NONE),
+            (FIST, NONE),
+            (OPEN, NONE),
+            (NONE, NONE),
+            (OPEN, NONE),
+            (FIST, NONE),
+            (OPEN, NONE),
+            (FIST, NONE),
+        ],
+    )
     assert [s.spray_on for s in states] == [False, False, True, False, False, False, True, False]
 
 
 def test_left_hand_steps_the_liquids_in_a_ring() -> None:
-    states = run(Mode.SPRAYING, [(U, O)] + [(U, F), (U, O)] * 3)
+    states = run(Mode.SPRAYING, [(NONE, OPEN)] + [(NONE, FIST), (NONE, OPEN)] * 3)
     assert [s.liquid for s in states[::2]] == [Liquid.WATER, Liquid.NUTRIENT, Liquid.PESTICIDE, Liquid.WATER]
 
 
 def test_rest_keeps_the_fruit_and_the_liquid_and_asks_for_a_new_change() -> None:
-    state = run(Mode.PICKING, [(O, O), (F, F)])[-1]
+    state = run(Mode.PICKING, [(OPEN, OPEN), (FIST, FIST)])[-1]
     after = rest(state)
     assert after.gripper_open is False
     assert not (after.cutter_closed or after.spray_on or after.right_changed or after.left_changed)
@@ -57,11 +69,11 @@ def test_unknown_never_opens_and_never_starts(hands: list[tuple[Hand, Hand]], ta
     for right, left in hands:
         before = state
         state, reasons = step_tools(state, task, Hands(right, left))
-        if right is U:
+        if right is NONE:
             assert not state.spray_on
             assert state.gripper_open is before.gripper_open
             assert Reason.HAND_UNKNOWN in reasons
-        if left is U:
+        if left is NONE:
             assert not state.cutter_closed
             assert state.liquid is before.liquid
         if not state.right_changed:
