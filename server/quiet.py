@@ -8,21 +8,26 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+_OUT, _ERROR = 1, 2
+
 
 @contextmanager
-def quiet_stdout() -> Iterator[None]:
-    """Send what is written to file descriptor 1 (PyBullet's build time and arguments) nowhere for a while.
+def quiet_output() -> Iterator[None]:
+    """Send what is written to standard output and error (PyBullet's build time and arguments) nowhere for a while.
 
-    Python's own output through sys.stdout in that time is lost too.
+    An exception passes through and is reported by whoever catches it outside.
     """
     sys.stdout.flush()
-    kept = os.dup(1)
+    sys.stderr.flush()
+    kept = {fd: os.dup(fd) for fd in (_OUT, _ERROR)}
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 1)
+        for fd in kept:
+            os.dup2(nowhere, fd)
         yield
     finally:
         ctypes.CDLL(None).fflush(None)  # C keeps its output back while it goes to a file
-        os.dup2(kept, 1)
-        os.close(kept)
+        for fd, copy in kept.items():
+            os.dup2(copy, fd)
+            os.close(copy)
         os.close(nowhere)

@@ -43,9 +43,9 @@ def listen(settings: Settings) -> socket.socket:
 def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     """Load, run until Ctrl-C or SIGTERM, shut down. Raises TeleopError when the source or the model is wrong."""
     tell("loading")
-    from server.quiet import quiet_stdout
+    from server.quiet import quiet_output
 
-    with quiet_stdout():
+    with quiet_output():
         from robot_sim.world import World
     from server.app import create_app
     from server.engine.engine import Engine
@@ -62,7 +62,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     tell("reading the body model")
     tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
     tell("building the greenhouse")
-    with quiet_stdout():
+    with quiet_output():
         world = World(settings.robot)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events)
     library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
