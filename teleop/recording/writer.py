@@ -80,6 +80,7 @@ class McapWriter:
         self._base_frame = _root_link(urdf) if urdf else "base_link"
         self._last_depth_ns = -1
         self._last_flush_ns: int | None = None
+        self._color_info_due = True
         self._closed = False
 
         self._file = OutputFile(self.path)
@@ -136,8 +137,10 @@ class McapWriter:
         self._depth.log(messages.depth_image(frame), log_time=t_ns)
         if self._color and frame.color_rgb is not None:
             self._color_image.log(messages.color_image(t_ns, frame.color_rgb, self._jpeg_quality), log_time=t_ns)
-            k = messages.color_intrinsics(self._camera, frame.color_rgb)
-            self._color_info.log(messages.camera_info(t_ns, k, topics.COLOR_FRAME), log_time=t_ns)
+            if self._color_info_due:
+                k = messages.color_intrinsics(self._camera, frame.color_rgb)
+                self._color_info.log(messages.camera_info(t_ns, k, topics.COLOR_FRAME), log_time=t_ns)
+                self._color_info_due = False
         self._check()
 
     def write_row(self, t_ns: int, row: Mapping[str, Any]) -> None:
@@ -204,6 +207,7 @@ class McapWriter:
             if not first:
                 self.flush()
             self._last_flush_ns = t_ns
+            self._color_info_due = True
             self._depth_info.log(messages.camera_info(t_ns, self._camera.depth, topics.DEPTH_FRAME), log_time=t_ns)
         if first and self._urdf:
             self._description.log(json.dumps({"data": self._urdf}), log_time=t_ns)
