@@ -1,0 +1,60 @@
+"""Latest wins for frames and states; events are never lost."""
+
+import asyncio
+
+from live_server import frame
+
+from server.engine.ledger import Ledger
+from server.engine.mailbox import Arrived, Mailbox
+from server.stream.outbox import Outbox
+
+
+def test_the_newest_frame_wins_and_a_restart_is_not_forgotten() -> None:
+    mailbox = Mailbox()
+    mailbox.put(Arrived(frame(0), 1.0, 0.0, restarted=True))
+    mailbox.put(Arrived(frame(1), 2.0, 0.03))
+    taken = mailbox.take(0.0)
+    assert taken is not None and taken.frame.seq == 1 and taken.restarted
+    assert mailbox.dropped == 1
+    assert mailbox.take(0.0) is None
+
+
+def test_a_request_wakes_the_engine() -> None:
+    mailbox = Mailbox()
+    mailbox.wake()
+    assert mailbox.take(60.0) is None
+
+
+def test_a_client_gets_all_events_in_order_then_the_newest_of_each_kind() -> None:
+    async def scenario() -> None:
+        outbox = Outbox(max_events=10)
+        for i in range(50):
+            outbox.put("state", f"state {i}")
+            outbox.put("DEPTH", bytes([i]))
+        for i in range(3):
+            outbox.put_event(f"event {i}")
+        got = [await outbox.get() for _ in range(5)]
+        assert got == ["event 0", "event 1", "event 2", "state 49", b"\x31"]
+        assert outbox.replaced == 98
+
+    asyncio.run(scenario())
+
+
+def test_a_client_that_reads_no_events_is_to_be_closed() -> None:
+    async def scenario() -> None:
+        outbox = Outbox(max_events=2)
+        for i in range(3):
+            outbox.put_event(f"event {i}")
+        assert await outbox.get() is None
+
+    asyncio.run(scenario())
+
+
+def test_latency_percentiles_look_back_on_the_window_only() -> None:
+    ledger = Ledger(window=100)
+    for ms in [9999.0, *range(1, 101)]:
+        ledger.add("tracking", ms / 1e3)
+    row = ledger.table()["tracking"]
+    assert (row.p50, row.p95, row.last) == (51.0, 96.0, 100.0)
+    ledger.clear()
+    assert ledger.table() == {}
