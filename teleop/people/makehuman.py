@@ -80,9 +80,12 @@ def _read_obj(path: Path) -> tuple[Floats, Ints32]:
     return np.array(vertices) * _TO_METRES, np.array(faces, np.int32)
 
 
-@lru_cache(maxsize=1)
 def _base() -> _Base:
-    folder = data_folder("makehuman")
+    return _load(data_folder("makehuman"))
+
+
+@lru_cache(maxsize=1)
+def _load(folder: Path) -> _Base:
     try:
         vertices, faces = _read_obj(folder / "3dobjs" / "base.obj")
         skeleton = json.loads((folder / "rigs" / "default.mhskel").read_text())
@@ -120,16 +123,15 @@ def _base() -> _Base:
 
 
 @lru_cache(maxsize=160)
-def _target(name: str) -> Floats32:
+def _target(folder: Path, name: str) -> Floats32:
     """Displacements (19158, 3) in metres of one target file."""
-    base = _base()
-    path = base.folder / "targets" / "macrodetails" / f"{name}.target"
+    path = folder / "targets" / "macrodetails" / f"{name}.target"
     try:
         text = "\n".join(line for line in path.read_text().splitlines() if not line.startswith("#"))
     except OSError as error:
         raise DataError(f"MakeHuman target {path} cannot be read ({error}); fetch it again") from error
     rows = np.array(text.split(), np.float64).reshape(-1, 4)
-    out = np.zeros(base.vertices_m.shape, np.float32)
+    out = np.zeros(_load(folder).vertices_m.shape, np.float32)
     out[rows[:, 0].astype(np.int64)] = rows[:, 1:] * _TO_METRES
     return out
 
@@ -142,21 +144,22 @@ def _thirds(value: float, word: str) -> list[tuple[str, float]]:
 
 
 def _vertices(shape: Shape, weight: float, height: float) -> Floats:
-    out = _base().vertices_m.copy()
+    base = _base()
+    out = base.vertices_m.copy()
     for sex, ws in (("male", 1 - shape.female), ("female", shape.female)):
         for age, wa in (("young", 1 - shape.age), ("old", shape.age)):
             if ws * wa == 0:
                 continue
             for descent, wd in zip(("african", "asian", "caucasian"), shape.descent, strict=True):
                 if wd > 0:
-                    out += ws * wa * wd * _target(f"{descent}-{sex}-{age}")
+                    out += ws * wa * wd * _target(base.folder, f"{descent}-{sex}-{age}")
             for muscle, wm in _thirds(shape.muscle, "muscle"):
                 for mass, wk in _thirds(weight, "weight"):
                     w, name = ws * wa * wm * wk, f"{sex}-{age}-{muscle}-{mass}"
-                    out += w * _target(f"universal-{name}")
+                    out += w * _target(base.folder, f"universal-{name}")
                     for tall, wh in _thirds(height, "height"):
                         if not tall.startswith("average"):
-                            out += w * wh * _target(f"height/{name}-{tall}")
+                            out += w * wh * _target(base.folder, f"height/{name}-{tall}")
     return out
 
 

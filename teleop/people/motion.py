@@ -57,13 +57,17 @@ def minimum_jerk(u: float) -> tuple[float, float]:
     return u**3 * (10 + u * (6 * u - 15)), 30 * u**2 * (1 - u) ** 2
 
 
+def _turned(a: Floats, b: Floats, s: float) -> Floats:
+    """The direction at fraction s of the way from a to b along the great circle."""
+    angle = float(np.arccos(np.clip(a @ b, -1.0, 1.0)))
+    if angle < 1e-4:
+        return a
+    return unit((np.sin((1 - s) * angle) * a + np.sin(s * angle) * b) / np.sin(angle))
+
+
 def _mix_arm(a: ArmKey, b: ArmKey, s: float) -> ArmKey:
-    return ArmKey(
-        unit((1 - s) * a.upper + s * b.upper),
-        unit((1 - s) * a.fore + s * b.fore),
-        unit((1 - s) * a.palm + s * b.palm),
-        (1 - s) * a.curl + s * b.curl,
-    )
+    palm = _turned(a.palm, b.palm, s)
+    return ArmKey(_turned(a.upper, b.upper, s), _turned(a.fore, b.fore, s), palm, (1 - s) * a.curl + s * b.curl)
 
 
 def _legs(apart: float, swing: float, lift: tuple[float, float], along: Floats) -> tuple[LegPose, LegPose]:

@@ -119,9 +119,9 @@ def greenhouse_story(seed: int = 0) -> tuple[Motion, tuple[Chapter, ...]]:
 
 
 def _gesture(s: _Script) -> None:
-    s.to(0.7, right=beside_head(1), left=beside_head(-1))
-    s.to(1.5)
-    s.to(0.7, right=hanging(1, OPEN), left=hanging(-1, OPEN))
+    s.to(0.9, right=beside_head(1), left=beside_head(-1))
+    s.to(1.6)
+    s.to(0.9, right=hanging(1, OPEN), left=hanging(-1, OPEN))
 
 
 def _pick(s: _Script) -> None:
