@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from teleop.angles import NO_ANGLES, body_angles
+from teleop.angles import NO_ANGLES, body_angles, leg_angles
 from teleop.config.intent import IntentConfig
 from teleop.control import Control, Seen, step_control
 from teleop.engage import Gestures, GestureState, engage_pose, forearms_crossed, step_gestures
@@ -18,6 +18,7 @@ from teleop.modes import Conditions, next_mode
 from teleop.reasons import Reason
 from teleop.sight import Sight, step_sight
 from teleop.skeleton import Skeleton, Track
+from teleop.stillness import Gait, step_gait
 from teleop.task import TaskState, step_task
 from teleop.zones import ZoneState, step_zone
 
@@ -38,6 +39,7 @@ class IntentState:
     gestures: GestureState = field(default_factory=GestureState)
     right_hand: HandMemory = field(default_factory=HandMemory)
     left_hand: HandMemory = field(default_factory=HandMemory)
+    gait: Gait = field(default_factory=Gait)
     progress: float = 0.0
 
 
@@ -74,6 +76,7 @@ def _observe(
     state = replace(
         state,
         sight=sight,
+        gait=step_gait(state.gait, spine_xz_m(body), dt_s),
         zone=ZoneState() if sight.body is None else step_zone(state.zone, spine_xz_m(body), dt_s, config.zones),
         right_hand=step_hand(state.right_hand, seen.right, seen.right_confidence, dt_s, config.hands),
         left_hand=step_hand(state.left_hand, seen.left, seen.left_confidence, dt_s, config.hands),
@@ -87,12 +90,14 @@ def _observe(
     return gestures, replace(state, gestures=memory, progress=gestures.progress)
 
 
-def _legs(body: Skeleton | None, config: IntentConfig) -> tuple[float | None, float | None]:
-    """T1 and T2 of legs that are known well enough to choose a task by."""
+def _legs(state: IntentState, config: IntentConfig) -> tuple[float | None, float | None]:
+    """T1 and T2 of legs that are known well enough, and stand, to choose a task by."""
+    body = state.sight.body if state.sight.seen_now else None
     if body is None or body.confidence[LEGS].min() < config.mapping.min_confidence:
         return None, None
-    angles = body_angles(body, config.angles)
-    return angles.T1_deg, angles.T2_deg
+    if state.gait.speed_m_s > config.task.still_m_s:
+        return None, None
+    return leg_angles(body, config.angles)
 
 
 def interpret(
@@ -121,7 +126,7 @@ def interpret(
     if zone is Zone.WORK and control.engaged:
         task = state.task
         if now.used:
-            task = step_task(task, *_legs(sight.body if sight.seen_now else None, config), dt_s, config.task)
+            task = step_task(task, *_legs(state, config), dt_s, config.task)
     conditions = Conditions(
         person=seen.person,
         tracked=sight.lost_s <= config.safety.lost_hold_s and not inputs.source_failed,

@@ -31,13 +31,17 @@ def _resting_arms() -> dict[ArmName, ArmMemory]:
 
 @dataclass(frozen=True, slots=True)
 class KernelState:
-    """What was commanded last. disc_wait_s: the disc still turns for so long, arms and tools stay locked."""
+    """What was commanded last. disc_wait_s: the disc still turns for so long, arms and tools stay locked.
+
+    disc_rad: where the disc was sent, None when it was stopped on its way. acting: the mode let the robot move.
+    """
 
     task: Mode | None = None
     arms: dict[ArmName, ArmMemory] = field(default_factory=_resting_arms)
     tools: ToolState = field(default_factory=ToolState)
-    disc_rad: float = 0.0
+    disc_rad: float | None = 0.0
     disc_wait_s: float = 0.0
+    acting: bool = False
     events: tuple[Event, ...] = ()
 
 
@@ -64,8 +68,15 @@ def step_kernel(
     state = _enter(
         replace(state, events=(), disc_wait_s=max(0.0, state.disc_wait_s - moment.dt_s)), intent.mode, config
     )
+    acting = intent.mode in ACTING
+    # goals already sent are dropped at the end of motion, and for as long as the robot is stopped
+    stand_still = intent.mode is Mode.STOPPED or (before.acting and not acting)
+    if stand_still and state.disc_wait_s > 0:
+        state = replace(state, disc_rad=None, disc_wait_s=0.0)
+    state = replace(state, acting=acting)
     command = RobotCommand(
         intent.t_ns,
+        stand_still=stand_still,
         cutter_closed=False,
         liquid=state.tools.liquid,
         disc_rad=None if state.task is None else state.disc_rad,
@@ -105,7 +116,8 @@ def _enter(state: KernelState, mode: Mode, config: IntentConfig) -> KernelState:
 
 def turn_disc(state: KernelState, disc_rad: float, config: IntentConfig) -> KernelState:
     """Send the disc somewhere and lock the arms for as long as it turns."""
-    wait_s = abs(disc_rad - state.disc_rad) / math.pi * config.mapping.disc_half_turn_s
+    angle_rad = math.pi if state.disc_rad is None else abs(disc_rad - state.disc_rad)
+    wait_s = angle_rad / math.pi * config.mapping.disc_half_turn_s
     return replace(state, disc_rad=disc_rad, disc_wait_s=max(state.disc_wait_s, wait_s))
 
 

@@ -66,6 +66,12 @@ class TaskConfig(Section):
     T2_deg: float = Field(
         default=14.0, ge=1.0, le=60.0, description="one leg forward: head camera turns [deg]; source, eq. (11)"
     )
+    still_m_s: float = Field(
+        default=0.35,
+        ge=0.05,
+        le=5.0,
+        description="legs of a spine faster than this are walking: no evidence [m/s]; ours",
+    )
     T2_hold_s: float = Field(default=4.0, ge=0.0, le=30.0, description="how long T2 must be exceeded [s]; source")
     margin_deg: float = Field(
         default=1.5, ge=0.0, le=10.0, description="deviation beyond the threshold that is no evidence yet [deg]; ours"
@@ -170,7 +176,7 @@ class HandConfig(Section):
         description="skin area over crop area above which a hand is open [1]; measured; source: 0.8",
     )
     crop_m: float = Field(
-        default=0.26, ge=0.1, le=0.6, description="side of the shape crop at the hand [m]; an open hand is 0.19"
+        default=0.32, ge=0.1, le=0.6, description="side of the shape crop at the hand [m]; an open hand is 0.19"
     )
     depth_gate_m: float = Field(
         default=0.08, ge=0.02, le=0.3, description="pixels this near the hand's depth belong to it [m]; research"
