@@ -9,14 +9,20 @@ from playwright.sync_api import Page, expect
 
 pytestmark = pytest.mark.browser
 
-SIZES = [(360, 780), (820, 1180), (1440, 900), (3840, 2160)]
+SIZES = [
+    (360, 780, "dark"),
+    (360, 780, "light"),
+    (820, 1180, "light"),
+    (1440, 900, "dark"),
+    (1440, 900, "light"),
+    (3840, 2160, "dark"),
+]
 BEYOND_THE_EDGE = """() => [...document.querySelectorAll('#console *')]
   .filter(e => { const r = e.getBoundingClientRect(); return r.width && (r.right > innerWidth + 1 || r.left < -1); })
   .map(e => e.className.baseVal ?? e.className)"""
 
 
-@pytest.mark.parametrize("theme", ["dark", "light"])
-@pytest.mark.parametrize(("width", "height"), SIZES)
+@pytest.mark.parametrize(("width", "height", "theme"), SIZES)
 def test_nothing_overflows(page: Page, tmp_path: Path, width: int, height: int, theme: str) -> None:
     page.set_viewport_size({"width": width, "height": height})
     if page.locator("html").get_attribute("data-theme") != theme:

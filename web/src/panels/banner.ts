@@ -24,15 +24,16 @@ const ICONS: Record<State["mode"], IconName> = {
 };
 const RING_LENGTH = 100;
 /** Codes that say what happens all the time and would hide what the operator should know. */
-const QUIET = /^(mode|limit)\./;
+const QUIET = /^(mode|limit)\.|^hold\.arm_locked$/;
 
 /** The reason to show large: a stop before a hold before a refusal; null when there is none. */
 export function mainReason(reasons: readonly string[]): string | null {
+  const loud = reasons.filter((code) => !QUIET.test(code));
   for (const kind of ["stop.", "hold.", "refused."]) {
-    const found = reasons.find((code) => code.startsWith(kind));
+    const found = loud.find((code) => code.startsWith(kind));
     if (found !== undefined) return found;
   }
-  return reasons.find((code) => !QUIET.test(code)) ?? null;
+  return loud[0] ?? null;
 }
 
 export class Banner implements Panel {

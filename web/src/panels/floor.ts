@@ -8,7 +8,7 @@ import { type Key, t, translated } from "../i18n";
 import { type Panel, frame } from "../panel";
 import type { Hello, State, Zone, ZoneInfo } from "../wire";
 
-const TRAIL_POINTS = 90;
+const TRAIL_POINTS = 40;
 const FAR_M = 3.75;
 const HALF_WIDTH_M = 1.32;
 
