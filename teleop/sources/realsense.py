@@ -13,7 +13,8 @@ from teleop.frames import Camera, DepthFrame, DepthImage, Intrinsics
 from teleop.sources.base import SourceInfo
 from teleop.sources.live import import_driver, increasing
 
-_TIMEOUT_MS = 5000
+_WAIT_MS = 500
+_SILENCE_MS = 5000
 _FILES = (".bag", ".db3")
 
 
@@ -62,12 +63,14 @@ class RealSenseSource:
             config.enable_stream(rs.stream.depth, 640, 480, rs.format.z16, 30)
             config.enable_stream(rs.stream.color, 640, 480, rs.format.rgb8, 30)
         try:
+            if self._is_file:
+                # Before the start: afterwards the first frames would already be skipped.
+                profile = config.resolve(rs.pipeline_wrapper(self._pipeline))
+                profile.get_device().as_playback().set_real_time(False)
             self._profile = self._pipeline.start(config)
         except RuntimeError as error:
             raise SourceError(f"realsense:{self._argument} cannot be opened: {error}") from None
         self._running = True
-        if self._is_file:
-            self._profile.get_device().as_playback().set_real_time(False)
 
     def _stop(self) -> None:
         if self._running:
@@ -111,24 +114,34 @@ class RealSenseSource:
 
     def _read(self, from_s: float) -> Iterator[DepthFrame]:
         first_ms: float | None = None
-        seq = 0
-        while self._running:
-            ok, frames = self._pipeline.try_wait_for_frames(_TIMEOUT_MS)
-            if not ok:
-                if self._is_file:
-                    return
-                raise SourceError(f"{self._info.uri}: no frames for {_TIMEOUT_MS / 1000:.0f} s; check the cable")
-            if self._info.has_color:
-                frames = self._align.process(frames)
-            depth, color = frames.get_depth_frame(), frames.get_color_frame()
-            if not depth:
-                continue
+        for seq, frames in enumerate(_best_pairs(self._sets()) if self._is_file else self._sets()):
+            depth = frames.get_depth_frame()
             t_ms = depth.get_timestamp()
             first_ms = t_ms if first_ms is None else first_ms
             if self._info.live or t_ms - first_ms >= from_s * 1e3:
+                color = self._align.process(frames).get_color_frame() if frames.get_color_frame() else None
                 rgb = np.asanyarray(color.get_data()).copy() if color else None
                 yield DepthFrame(round(t_ms * 1e6), self._depth_mm(depth), self._info.camera, rgb, seq)
-            seq += 1
+
+    def _sets(self) -> Iterator[Any]:
+        """Sets of frames with depth in them, until the file ends or ``close``."""
+        silent_ms = 0
+        while self._running:
+            ok, frames = self._pipeline.try_wait_for_frames(_WAIT_MS)
+            if ok:
+                silent_ms = 0
+                if frames.get_depth_frame():
+                    yield frames
+                continue
+            if self._is_file and self._at_end():
+                return
+            silent_ms += _WAIT_MS
+            if silent_ms >= _SILENCE_MS:
+                raise SourceError(f"{self._info.uri}: no frames for {_SILENCE_MS / 1000:.0f} s; check the cable")
+
+    def _at_end(self) -> bool:
+        status = self._profile.get_device().as_playback().current_status()
+        return bool(status == self._rs.playback_status.stopped)
 
     def _depth_mm(self, frame: Any) -> DepthImage:
         raw = np.asanyarray(frame.get_data())
@@ -136,3 +149,21 @@ class RealSenseSource:
             return raw.astype(np.uint16)
         mm = np.rint(raw * self._mm_per_unit)
         return np.where(mm <= 65535, mm, 0).astype(np.uint16)
+
+
+def _best_pairs(sets: Iterator[Any]) -> Iterator[Any]:
+    """Of several sets with the same depth image, as a played file gives them, the one with the nearest colour."""
+    held: Any = None
+    for frames in sets:
+        if held is not None and frames.get_depth_frame().get_timestamp() != held.get_depth_frame().get_timestamp():
+            yield held
+            held = frames
+        elif held is None or _color_lag_ms(frames) < _color_lag_ms(held):
+            held = frames
+    if held is not None:
+        yield held
+
+
+def _color_lag_ms(frames: Any) -> float:
+    color = frames.get_color_frame()
+    return abs(color.get_timestamp() - frames.get_depth_frame().get_timestamp()) if color else float("inf")
