@@ -77,6 +77,7 @@ export const en = {
   "image.color": "Colour",
   "image.none": "Off",
   "image.head": "Head camera",
+  "camera.fault": "No picture: {detail}",
   "camera.nobody": "Nobody in view",
 
   "floor.sensor": "sensor",
@@ -213,6 +214,7 @@ export const en = {
   "reason.refused.request_operator_engaged": "Disengage first: the operator drives the robot",
   "reason.refused.request_estop": "Reset the emergency stop first",
   "reason.refused.not_a_number": "The command held no valid number",
+  "reason.refused.tank_empty": "The tank is empty; the spray stays off",
   "reason.limit.shoulder_range": "Shoulder at the end of its range",
   "reason.limit.elbow_range": "Elbow at the end of its range",
   "reason.limit.ease_in": "Easing in",

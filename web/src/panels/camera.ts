@@ -113,8 +113,9 @@ export class CameraPanel implements Panel {
     const g = this.overlay.getContext("2d");
     if (!hello || !g) return;
     if (!fitCanvas(this.overlay)) g.clearRect(0, 0, this.overlay.width, this.overlay.height);
-    this.empty.set(state.skeleton ? "" : t("camera.nobody"));
-    if (!state.skeleton) return;
+    const fault = state.source?.fault;
+    this.empty.set(fault ? t("camera.fault", { detail: fault }) : state.skeleton ? "" : t("camera.nobody"));
+    if (fault || !state.skeleton) return;
     this.drawSkeleton(g, hello, state.skeleton);
     for (const side of SIDES) this.drawHand(g, hello, state, side);
   }

@@ -102,7 +102,6 @@ export class ReplayPanel implements Panel {
     if (source.loop) marks.push(t("replay.loop"));
     if (source.ended) marks.push(t("replay.ended"));
     if (source.recording) marks.push(`● ${t("replay.recording")}`);
-    if (source.fault) marks.push(source.fault);
     this.marks.set(marks.join(" · "));
     setIcon(this.glyph, source.paused || source.ended ? "play" : "pause");
     if (this.dragging || now_ms < this.quiet_until_ms) return;
