@@ -20,6 +20,9 @@ from robot_sim.errors import RobotError
 from robot_sim.kinematics.transforms import FloatArray, to_quaternion
 from robot_sim.planner.shapes import Box, Cylinder, Solid, Sphere
 
+MOST_IN_COMPOUND = 16
+"""PyBullet takes this many shapes in one body and drops the rest without a word."""
+
 
 @dataclass(frozen=True, slots=True)
 class Contact:
@@ -53,7 +56,7 @@ class CollisionWorld:
             self._links[i] = info[12].decode()
             self._joints[info[1].decode()] = i
         self._index = {name: i for i, name in self._links.items()}
-        self._bodies: dict[str, int] = {}
+        self._bodies: dict[str, list[int]] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -91,37 +94,32 @@ class CollisionWorld:
 
     def add_spheres(self, name: str, centres_m: FloatArray, radii_m: FloatArray) -> None:
         """One body of many spheres: centres (N, 3) in the body's frame, which is the world's at first; radii (N,)."""
-        shape = pybullet.createCollisionShapeArray(
-            shapeTypes=[pybullet.GEOM_SPHERE] * len(radii_m),
-            radii=[float(r) for r in radii_m],
-            collisionFramePositions=[[float(v) for v in c] for c in centres_m],
-            physicsClientId=self._client,
-        )
-        self._add(name, shape, np.eye(4))
+        for first in range(0, len(radii_m), MOST_IN_COMPOUND):
+            part = slice(first, first + MOST_IN_COMPOUND)
+            shape = pybullet.createCollisionShapeArray(
+                shapeTypes=[pybullet.GEOM_SPHERE] * len(radii_m[part]),
+                radii=[float(r) for r in radii_m[part]],
+                collisionFramePositions=[[float(v) for v in c] for c in centres_m[part]],
+                physicsClientId=self._client,
+            )
+            self._add(name, shape, np.eye(4), more=first > 0)
 
-    def _add(self, name: str, shape: int, T: FloatArray) -> None:
-        if name in self._bodies:
+    def _add(self, name: str, shape: int, T: FloatArray, more: bool = False) -> None:
+        if name in self._bodies and not more:
             raise RobotError(f"a body named '{name}' is there already")
-        self._bodies[name] = pybullet.createMultiBody(
+        part = pybullet.createMultiBody(
             baseMass=0.0,
             baseCollisionShapeIndex=shape,
             basePosition=[float(v) for v in T[:3, 3]],
             baseOrientation=to_quaternion(T),
             physicsClientId=self._client,
         )
-
-    def move_body(self, name: str, T_world_body: FloatArray) -> None:
-        """Put a body at another pose (4, 4)."""
-        pybullet.resetBasePositionAndOrientation(
-            self._bodies[name],
-            [float(v) for v in T_world_body[:3, 3]],
-            to_quaternion(T_world_body),
-            physicsClientId=self._client,
-        )
+        self._bodies.setdefault(name, []).append(part)
 
     def remove_body(self, name: str) -> None:
         """Take a body out."""
-        pybullet.removeBody(self._bodies.pop(name), physicsClientId=self._client)
+        for part in self._bodies.pop(name):
+            pybullet.removeBody(part, physicsClientId=self._client)
 
     def set_joints(self, values: Mapping[str, float]) -> None:
         """Joint values by name, rad or m. Raises RobotError for a joint the arm does not have."""
@@ -134,12 +132,10 @@ class CollisionWorld:
         """Links nearer than within_m to the named bodies (all by default), the nearest point of each pair."""
         nearest: dict[tuple[str, str], float] = {}
         for name in self._bodies if bodies is None else bodies:
-            points = pybullet.getClosestPoints(
-                self._arm, self._bodies[name], max(within_m, 1e-6), physicsClientId=self._client
-            )
-            for p in points:
-                key = (self._links[p[3]], name)
-                nearest[key] = min(nearest.get(key, np.inf), p[8])
+            for part in self._bodies[name]:
+                for p in pybullet.getClosestPoints(self._arm, part, max(within_m, 1e-6), physicsClientId=self._client):
+                    key = (self._links[p[3]], name)
+                    nearest[key] = min(nearest.get(key, np.inf), p[8])
         return [Contact(link, body, d) for (link, body), d in nearest.items() if d <= within_m]
 
     def self_contacts(self, pairs: Sequence[tuple[str, str]], within_m: float = 0.0) -> list[Contact]:
@@ -153,11 +149,6 @@ class CollisionWorld:
             if d <= within_m:
                 found.append(Contact(a, b, d))
         return found
-
-    def body_distance(self, a: str, b: str, within_m: float) -> float:
-        """Distance in m between two bodies, inf when beyond within_m."""
-        points = pybullet.getClosestPoints(self._bodies[a], self._bodies[b], within_m, physicsClientId=self._client)
-        return min((float(p[8]) for p in points), default=np.inf)
 
     def link_pose(self, link: str) -> FloatArray:
         """Pose (4, 4) of a link's frame as PyBullet computes it; base_link is the world's origin."""

@@ -13,7 +13,7 @@ import numpy as np
 from robot_sim.arms.config import GrapeArmConfig
 from robot_sim.arms.urdf_writer import ORANGE, STEEL, ArmModel, ToolLink, limbs_of
 from robot_sim.kinematics import Joint, SphericalWristArm
-from robot_sim.kinematics.transforms import FloatArray, rot_x, rot_y, translation
+from robot_sim.kinematics.transforms import FloatArray, rot_x, rot_y, rot_z, translation
 from robot_sim.planner.shapes import Cylinder, box, upright_cylinder
 
 TOOL_JOINTS = ("finger_left_joint", "finger_right_joint", "tray_joint", "blade_left_joint", "blade_right_joint")
@@ -32,7 +32,9 @@ def grape_arm(config: GrapeArmConfig | None = None) -> SphericalWristArm:
         for i, (zero, limit) in enumerate(zip(c.zero_deg, c.limit_deg, strict=True), start=1)
     ]
     lengths = (c.a1_m, c.a2_m, c.a3_m, c.d4_m)
-    return SphericalWristArm.from_lengths("gsk_rb03", lengths, joints, translation(0.0, 0.0, c.grip_m))
+    # a quarter turn at the flange, so that a level pick has the wrist near the middle of its range
+    tool = rot_z(math.pi / 2) @ translation(0.0, 0.0, c.grip_m)
+    return SphericalWristArm.from_lengths("gsk_rb03", lengths, joints, tool)
 
 
 def tool_values(opening_m: float, tray_rad: float, blade_rad: float) -> FloatArray:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from robot_sim.kinematics.transforms import FloatArray
-from robot_sim.planner.shapes import Solid
+from robot_sim.planner.shapes import Solid, nearest_points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,13 +16,22 @@ class Scene:
     """Solids in world axes. An empty scene is free everywhere."""
 
     solids: tuple[Solid, ...]
+    _kinds: npt.NDArray[np.int64] = field(init=False, repr=False)
+    _T: FloatArray = field(init=False, repr=False)
+    _sizes: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        packed = [s.packed for s in self.solids]
+        object.__setattr__(self, "_kinds", np.array([k for k, _ in packed], dtype=np.int64))
+        object.__setattr__(self, "_T", np.array([s.T for s in self.solids]).reshape(-1, 4, 4))
+        object.__setattr__(self, "_sizes", np.array([s for _, s in packed], dtype=np.float64).reshape(-1, 3))
 
     def nearest(self, points_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Signed distance (K, N) and outward normal (K, N, 3) of points (N, 3) to each of the K solids."""
-        if not self.solids:
-            return np.empty((0, len(points_m))), np.empty((0, len(points_m), 3))
-        found = [s.distance(points_m) for s in self.solids]
-        return np.stack([d for d, _ in found]), np.stack([n for _, n in found])
+        k, n = len(self.solids), len(points_m)
+        d, normals = np.empty((k, n)), np.empty((k, n, 3))
+        nearest_points(self._kinds, self._T, self._sizes, np.ascontiguousarray(points_m), d, normals)
+        return d, normals
 
     def clearance(self, positions_m: FloatArray, offsets_m: FloatArray, radii_m: FloatArray) -> FloatArray:
         """Least distance (M,) between the solids and the body at positions (M, 3).
@@ -31,5 +41,5 @@ class Scene:
         if not self.solids:
             return np.full(len(positions_m), np.inf)
         points = (positions_m[:, None, :] + offsets_m[None]).reshape(-1, 3)
-        d = np.min([s.distance(points)[0] for s in self.solids], axis=0)
+        d = self.nearest(points)[0].min(axis=0)
         return np.asarray((d.reshape(len(positions_m), -1) - radii_m).min(axis=1))

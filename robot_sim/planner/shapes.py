@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from robot_sim.errors import RobotError
 from robot_sim.kinematics.transforms import FloatArray, translation
@@ -17,15 +19,74 @@ def _positive(what: str, *sizes: float) -> None:
         raise RobotError(f"{what}: sizes must be positive, got {sizes}")
 
 
+@njit(cache=True, nogil=True)
+def nearest_points(
+    kinds: np.ndarray, T: np.ndarray, sizes: np.ndarray, points: np.ndarray, d: np.ndarray, n: np.ndarray
+) -> None:
+    """Signed distances d (K, N) and outward normals n (K, N, 3) of points (N, 3) to K solids.
+
+    kinds: 0 sphere (radius), 1 cylinder about z (radius, half height), 2 box (half edges). T (K, 4, 4), sizes (K, 3).
+    """
+    for k in range(len(kinds)):
+        R = T[k]
+        for i in range(len(points)):
+            x, y, z = points[i, 0] - R[0, 3], points[i, 1] - R[1, 3], points[i, 2] - R[2, 3]
+            p0 = R[0, 0] * x + R[1, 0] * y + R[2, 0] * z
+            p1 = R[0, 1] * x + R[1, 1] * y + R[2, 1] * z
+            p2 = R[0, 2] * x + R[1, 2] * y + R[2, 2] * z
+            n0, n1, n2 = 0.0, 0.0, 1.0
+            if kinds[k] == 0:
+                r = math.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
+                if r > 1e-12:
+                    n0, n1, n2 = p0 / r, p1 / r, p2 / r
+                d[k, i] = r - sizes[k, 0]
+            elif kinds[k] == 1:
+                rho = math.hypot(p0, p1)
+                u0, u1 = (p0 / rho, p1 / rho) if rho > 1e-12 else (1.0, 0.0)
+                side, cap = rho - sizes[k, 0], abs(p2) - sizes[k, 1]
+                up = 1.0 if p2 >= 0 else -1.0
+                if side > 0 and cap > 0:
+                    far = math.hypot(side, cap)
+                    n0, n1, n2 = u0 * side / far, u1 * side / far, up * cap / far
+                    d[k, i] = far
+                elif side > cap:
+                    n0, n1, n2 = u0, u1, 0.0
+                    d[k, i] = side
+                else:
+                    n0, n1, n2 = 0.0, 0.0, up
+                    d[k, i] = cap
+            else:
+                e0, e1, e2 = abs(p0) - sizes[k, 0], abs(p1) - sizes[k, 1], abs(p2) - sizes[k, 2]
+                g0, g1, g2 = math.copysign(1.0, p0), math.copysign(1.0, p1), math.copysign(1.0, p2)
+                o0, o1, o2 = max(e0, 0.0), max(e1, 0.0), max(e2, 0.0)
+                far = math.sqrt(o0 * o0 + o1 * o1 + o2 * o2)
+                if far > 0:
+                    n0, n1, n2 = g0 * o0 / far, g1 * o1 / far, g2 * o2 / far
+                    d[k, i] = far
+                elif e0 >= e1 and e0 >= e2:
+                    n0, n1, n2 = g0, 0.0, 0.0
+                    d[k, i] = e0
+                elif e1 >= e2:
+                    n0, n1, n2 = 0.0, g1, 0.0
+                    d[k, i] = e1
+                else:
+                    n0, n1, n2 = 0.0, 0.0, g2
+                    d[k, i] = e2
+            n[k, i, 0] = R[0, 0] * n0 + R[0, 1] * n1 + R[0, 2] * n2
+            n[k, i, 1] = R[1, 0] * n0 + R[1, 1] * n1 + R[1, 2] * n2
+            n[k, i, 2] = R[2, 0] * n0 + R[2, 1] * n1 + R[2, 2] * n2
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid(ABC):
     """A solid with pose T (4, 4) of its own frame in the world (or in a link), metres."""
 
     T: FloatArray
 
+    @property
     @abstractmethod
-    def _local(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Signed distance (N,) and outward unit normal (N, 3) for points (N, 3) in the solid's frame."""
+    def packed(self) -> tuple[int, tuple[float, float, float]]:
+        """Kind and sizes as ``nearest_points`` takes them."""
 
     @abstractmethod
     def grown(self, by_m: float) -> Solid:
@@ -33,10 +94,11 @@ class Solid(ABC):
 
     def distance(self, points: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Signed distance (N,), negative inside, and outward unit normal (N, 3) for world points (N, 3)."""
-        p = np.atleast_2d(np.asarray(points, dtype=np.float64))
-        R = self.T[:3, :3]
-        d, n = self._local((p - self.T[:3, 3]) @ R)
-        return d, n @ R.T
+        p = np.ascontiguousarray(np.atleast_2d(np.asarray(points, dtype=np.float64)))
+        d, n = np.empty((1, len(p))), np.empty((1, len(p), 3))
+        kind, sizes = self.packed
+        nearest_points(np.array([kind]), self.T[None], np.array([sizes]), p, d, n)
+        return d[0], n[0]
 
     @property
     def centre(self) -> FloatArray:
@@ -53,10 +115,9 @@ class Sphere(Solid):
     def __post_init__(self) -> None:
         _positive("sphere", self.radius_m)
 
-    def _local(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        r = np.linalg.norm(p, axis=1)
-        n = np.where(r[:, None] > 1e-12, p / np.maximum(r, 1e-12)[:, None], np.array([0.0, 0.0, 1.0]))
-        return r - self.radius_m, n
+    @property
+    def packed(self) -> tuple[int, tuple[float, float, float]]:
+        return 0, (self.radius_m, 0.0, 0.0)
 
     def grown(self, by_m: float) -> Sphere:
         return Sphere(self.T, self.radius_m + by_m)
@@ -72,16 +133,9 @@ class Cylinder(Solid):
     def __post_init__(self) -> None:
         _positive("cylinder", self.radius_m, self.height_m)
 
-    def _local(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        rho = np.hypot(p[:, 0], p[:, 1])
-        radial = np.zeros_like(p)
-        safe = np.maximum(rho, 1e-12)
-        radial[:, 0] = np.where(rho > 1e-12, p[:, 0] / safe, 1.0)
-        radial[:, 1] = np.where(rho > 1e-12, p[:, 1] / safe, 0.0)
-        axial = np.zeros_like(p)
-        axial[:, 2] = np.where(p[:, 2] >= 0, 1.0, -1.0)
-        over = np.stack([rho - self.radius_m, np.abs(p[:, 2]) - self.height_m / 2], axis=1)
-        return _from_excess(over, np.stack([radial, axial], axis=1))
+    @property
+    def packed(self) -> tuple[int, tuple[float, float, float]]:
+        return 1, (self.radius_m, self.height_m / 2, 0.0)
 
     def grown(self, by_m: float) -> Cylinder:
         return Cylinder(self.T, self.radius_m + by_m, self.height_m + 2 * by_m)
@@ -96,26 +150,13 @@ class Box(Solid):
     def __post_init__(self) -> None:
         _positive("box", *self.half_m)
 
-    def _local(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        axes = np.zeros((len(p), 3, 3))
-        for k in range(3):
-            axes[:, k, k] = np.where(p[:, k] >= 0, 1.0, -1.0)
-        return _from_excess(np.abs(p) - np.array(self.half_m), axes)
+    @property
+    def packed(self) -> tuple[int, tuple[float, float, float]]:
+        return 2, self.half_m
 
     def grown(self, by_m: float) -> Box:
         x, y, z = self.half_m
         return Box(self.T, (x + by_m, y + by_m, z + by_m))
-
-
-def _from_excess(over: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance and normal from the excess (N, k) over each face and the faces' directions (N, k, 3)."""
-    outside = np.maximum(over, 0.0)
-    far = np.linalg.norm(outside, axis=1)
-    inner = over.max(axis=1)
-    is_out = far > 0
-    face = np.take_along_axis(directions, over.argmax(axis=1)[:, None, None], axis=1)[:, 0]
-    blend = np.einsum("nk,nkc->nc", outside, directions) / np.maximum(far, 1e-300)[:, None]
-    return np.where(is_out, far, inner), np.where(is_out[:, None], blend, face)
 
 
 def sphere(centre_m: npt.ArrayLike, radius_m: float) -> Sphere:

@@ -79,3 +79,49 @@ class PlantletStudyConfig(RobotSection):
     repeats: int = Field(
         default=20, ge=2, le=1000, description="repeats of the source's end-point test [1]; source 3.1"
     )
+
+
+class GrapeStudyConfig(RobotSection):
+    """Bunches, their surroundings, the camera's error, and how a pick is carried out. World axes: the arm's frame 0."""
+
+    height_m: tuple[float, float] = Field(default=(0.162, 0.235), description="bunch height, range [m]; source 5.2")
+    diameter_m: tuple[float, float] = Field(
+        default=(0.108, 0.146), description="largest diameter, range [m]; source 5.2"
+    )
+    berry_m: tuple[float, float] = Field(default=(0.011, 0.014), description="berry radius, range [m]; choice (Kyoho)")
+    peduncle_m: tuple[float, float] = Field(
+        default=(0.060, 0.100), description="bare peduncle between bunch and cane, range [m]; choice"
+    )
+    stem_radius_m: float = Field(default=0.003, ge=0.001, le=0.01, description="radius of the peduncle [m]; choice")
+    cane_radius_m: float = Field(default=0.008, ge=0.002, le=0.05, description="radius of the cane above [m]; choice")
+    azimuth_deg: float = Field(
+        default=45.0, ge=0, le=120, description="bunches hang within this of ahead [deg]; choice"
+    )
+    distance_m: tuple[float, float] = Field(default=(0.50, 0.64), description="bunch from the arm's axis [m]; choice")
+    top_m: tuple[float, float] = Field(default=(-0.06, 0.14), description="bunch top over the shoulder [m]; choice")
+    pair_gap: tuple[float, float] = Field(
+        default=(0.80, 1.05), description="distance of an overlapping pair's axes over the sum of radii [1]; choice"
+    )
+    post_share: float = Field(default=0.5, ge=0, le=1, description="share of scenes with a trellis post [1]; choice")
+    single_error_mm: tuple[float, float, float] = Field(
+        default=(5.46, 6.56, 6.01),
+        description="mean camera error x, depth, vertical [mm]; source table 2, vertical: mean",
+    )
+    pair_error_mm: tuple[float, float, float] = Field(
+        default=(6.34, 7.87, 7.11), description="the same for overlapping bunches [mm]; source table 2, vertical: mean"
+    )
+    looks: int = Field(
+        default=4, ge=1, le=100, description="independent camera looks averaged at the ready pose; choice"
+    )
+    margin_h1_m: float = Field(default=0.010, ge=0, le=0.05, description="least safety margin H1 [m]; choice")
+    back_off_m: float = Field(
+        default=0.16, ge=0.05, le=0.5, description="ready pose before the picking point [m]; choice"
+    )
+    start_m: tuple[float, float, float] = Field(
+        default=(0.34, 0.0, 0.05), description="gripping point at start [m]; choice"
+    )
+    basket_m: tuple[float, float, float] = Field(default=(0.10, -0.48, 0.10), description="over the basket [m]; choice")
+    spacing_m: float = Field(default=0.07, gt=0, le=0.5, description="key points at most this far apart [m]; choice")
+    speed_m_s: float = Field(default=0.25, gt=0, le=2, description="tool speed between key points [m/s]; choice")
+    check_m: float = Field(default=0.012, gt=0, le=0.1, description="collision checks along the way every [m]; choice")
+    close_m: float = Field(default=0.010, gt=0, le=0.1, description="the source's deviation limit [m]; source 5.2")
