@@ -83,7 +83,7 @@ class ArmConfig(RobotSection):
     forward_offset_m: float = Field(
         default=0.05, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]"
     )
-    rear_offset_m: float = Field(default=0.20, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
+    rear_offset_m: float = Field(default=0.17, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
     upper_kg: float = Field(default=1.1, ge=0.1, le=10.0, description="mass of the upper arm with the elbow servo [kg]")
     forearm_kg: float = Field(default=0.7, ge=0.1, le=10.0, description="mass of the forearm [kg]")
     tool_kg: float = Field(default=0.35, ge=0.02, le=5.0, description="mass of an end effector [kg]")
@@ -158,6 +158,22 @@ class ToolConfig(RobotSection):
     peduncle_n: float = Field(default=40.0, ge=1.0, le=500.0, description="pull that a peduncle resists [N]")
 
 
+class SprayConfig(RobotSection):
+    """Three-channel sprayer: one liquid at a time through its nozzle."""
+
+    tank_l: float = Field(default=4.0, gt=0.0, le=50.0, description="content of one full tank [l]")
+    flow_l_s: float = Field(default=0.015, gt=0.0, le=1.0, description="flow of one nozzle [l/s]; full cone at 3 bar")
+    cone_rad: float = Field(default=0.60, ge=0.02, le=1.3, description="half the opening angle of the cone [rad]")
+    range_m: float = Field(default=1.2, ge=0.1, le=5.0, description="how far droplets carry [m]")
+    parcels_1_s: float = Field(default=1200.0, ge=10.0, le=20000.0, description="parcels of droplets simulated [1/s]")
+    parcel_m2: float = Field(
+        default=6.0e-4,
+        gt=0.0,
+        le=0.1,
+        description="leaf area that one parcel wets [m2]; choice: 0.1 l wet a square metre",
+    )
+
+
 class GreenhouseConfig(RobotSection):
     """Two crop rows along x with an aisle between them; the robot starts in the aisle at the origin."""
 
@@ -170,7 +186,7 @@ class GreenhouseConfig(RobotSection):
         default=0.48, ge=0.25, le=1.5, description="between plants in a row [m]; common: 0.4 to 0.5"
     )
     plant_height_m: float = Field(default=1.45, ge=0.5, le=3.0, description="from the gutter to the training wire [m]")
-    leaves_per_plant: int = Field(default=8, ge=0, le=40, description="leaves of one plant")
+    leaves_per_plant: int = Field(default=9, ge=0, le=40, description="leaves of one plant")
     fruits_per_plant: int = Field(default=2, ge=0, le=8, description="cucumbers, or trusses of tomatoes, of one plant")
     fruit_offset_m: float = Field(
         default=0.60, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"
@@ -188,6 +204,7 @@ class RobotConfig(RobotSection):
     arm: ArmConfig = Field(default_factory=ArmConfig)
     body: UpperBodyConfig = Field(default_factory=UpperBodyConfig)
     tool: ToolConfig = Field(default_factory=ToolConfig)
+    spray: SprayConfig = Field(default_factory=SprayConfig)
     greenhouse: GreenhouseConfig = Field(default_factory=GreenhouseConfig)
     position_gain: float = Field(
         default=0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick"

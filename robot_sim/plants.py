@@ -66,7 +66,7 @@ def grow(
         up = z0 + 0.10 + (z1 - z0 - 0.08) * (k + rng.uniform(0.0, 0.6)) / max(1, config.leaves_per_plant)
         # leaves stand around the stem by the golden angle, as phyllotaxis has it
         yaw = 2.399963 * k + float(rng.uniform(-0.3, 0.3))
-        size = float((0.22 if crop == "cucumber" else 0.17) * rng.uniform(0.75, 1.1))
+        size = float((0.26 if crop == "cucumber" else 0.20) * rng.uniform(0.75, 1.1))
         reach = 0.06 + 0.45 * size
         at = (float(x_m + reach * np.cos(yaw)), float(y0 + 0.75 * reach * np.sin(yaw)), float(up))
         droop = float(rng.uniform(0.25, 0.75))

@@ -13,4 +13,5 @@ class RobotReason(StrEnum):
     NOT_A_NUMBER = "refused.not_a_number"
     ESTOP = "stop.estop"
     DISC_TURNING = "hold.disc_turning"
+    TANK_EMPTY = "refused.tank_empty"
     CONTACT = "stop.contact"

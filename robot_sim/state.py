@@ -30,6 +30,8 @@ class RobotState:
     liquid: Liquid
     estop: bool
     reasons: tuple[str, ...] = ()
+    tank_l: Mapping[str, float] = field(default_factory=dict)
+    """Liquid -> what is left in its tank [l]."""
     fruits: Mapping[str, str] = field(default_factory=dict)
     """Fruit that is not just hanging: name -> held, loose, boxed or dropped, with ``+damaged`` when it is bruised."""
     moved: Mapping[str, tuple[float, ...]] = field(default_factory=dict)

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-import numpy.typing as npt
 import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
 from robot_sim.config import ToolConfig
 from robot_sim.plants import PEDUNCLE_M, Fruit
 from robot_sim.urdf_parts_tools import BOX_MIDDLE_M, BOX_SIZE_M, CUT_HALF_M, CUT_MIDDLE_M
+from robot_sim.world.body import LinkPose, Motion, motion, put
 
-F64 = npt.NDArray[np.float64]
 MOVED_M = 0.004
 """A hanging fruit that swings less than this is drawn where it was."""
 FLOOR_M = 0.12
@@ -31,18 +30,6 @@ class FruitStatus(StrEnum):
     DROPPED = "dropped"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ToolPose:
-    """A tool link in the world: xyz_m (3,), R (3, 3)."""
-
-    xyz_m: F64
-    R: F64
-
-    def local(self, point_m: F64) -> F64:
-        """A world point (3,) in the tool's axes [m]."""
-        return np.asarray(self.R.T @ (point_m - self.xyz_m))
-
-
 @dataclass(frozen=True, slots=True)
 class FruitContact:
     """The robot touches a fruit: with which link, how hard [N]."""
@@ -53,7 +40,7 @@ class FruitContact:
 
 
 class Crops:
-    """All fruit of one world. Rebuilt with it; ``attached`` and ``damaged`` are what a snapshot must keep."""
+    """All fruit of one world. Rebuilt with it."""
 
     def __init__(self, client: BulletClient, fruits: Sequence[Fruit], tool: ToolConfig) -> None:
         self._client = client
@@ -61,34 +48,29 @@ class Crops:
         self._tool = tool
         self._bodies = [_body(client, fruit) for fruit in fruits]
         self.index = {body: i for i, body in enumerate(self._bodies)}
-        self._pegs: list[int | None] = [None] * len(fruits)
+        self._pegs: list[int | None] = [self._peg(i) for i in range(len(fruits))]
         self.damaged = [False] * len(fruits)
-        self._status = [FruitStatus.HANGING] * len(fruits)
-        self.attach([True] * len(fruits))
+        self.status = [FruitStatus.HANGING] * len(fruits)
 
     @property
     def attached(self) -> list[bool]:
         """Which fruit hangs by its peduncle."""
         return [peg is not None for peg in self._pegs]
 
-    def attach(self, wanted: Sequence[bool]) -> None:
-        """Make and remove peduncles; all anew and in order, because the solver's result depends on their order."""
-        for i, peg in enumerate(self._pegs):
-            if peg is not None:
-                self._client.removeConstraint(peg)
+    def detach(self, i: int) -> None:
+        """Part the peduncle of one fruit."""
+        peg = self._pegs[i]
+        if peg is not None:
+            self._client.removeConstraint(peg)
             self._pegs[i] = None
-        for i, hangs in enumerate(wanted):
-            if hangs:
-                self._pegs[i] = self._peg(i)
 
-    def cut(self, tool: ToolPose) -> None:
+    def cut(self, tool: LinkPose) -> None:
         """The blades have closed: peduncles between them part."""
-        for i, peg in enumerate(self._pegs):
-            if peg is not None and self._between_blades(i, tool):
-                self._client.removeConstraint(peg)
-                self._pegs[i] = None
+        for i, hangs in enumerate(self.attached):
+            if hangs and self._between_blades(i, tool):
+                self.detach(i)
 
-    def observe(self, contacts: Iterable[FruitContact], fingers: tuple[int, int], box: ToolPose) -> None:
+    def observe(self, contacts: Iterable[FruitContact], fingers: tuple[int, int], box: LinkPose) -> None:
         """Find out where every fruit is now, and what was pressed too hard."""
         touching: dict[int, set[int]] = {}
         for contact in contacts:
@@ -97,20 +79,29 @@ class Crops:
                 self.damaged[contact.fruit] = True
         for i, peg in enumerate(self._pegs):
             if touching.get(i, set()).issuperset(fingers):
-                self._status[i] = FruitStatus.HELD
+                self.status[i] = FruitStatus.HELD
             elif peg is not None:
-                self._status[i] = FruitStatus.HANGING
+                self.status[i] = FruitStatus.HANGING
             else:
                 xyz = np.array(self._client.getBasePositionAndOrientation(self._bodies[i])[0])
                 inside = np.abs(box.local(xyz) - BOX_MIDDLE_M) <= 0.5 * np.array(BOX_SIZE_M)
                 boxed, low = bool(inside.all()), bool(xyz[2] < FLOOR_M)
-                self._status[i] = FruitStatus.BOXED if boxed else FruitStatus.DROPPED if low else FruitStatus.LOOSE
+                self.status[i] = FruitStatus.BOXED if boxed else FruitStatus.DROPPED if low else FruitStatus.LOOSE
+
+    def motions(self) -> tuple[Motion, ...]:
+        """How every fruit lies and moves."""
+        return tuple(motion(self._client, body) for body in self._bodies)
+
+    def put(self, motions: Sequence[Motion]) -> None:
+        """Lay all fruit down as it was."""
+        for body, m in zip(self._bodies, motions, strict=True):
+            put(self._client, body, m)
 
     def report(self) -> dict[str, str]:
         """Fruit that is not just hanging: name -> status, with ``+damaged``."""
         return {
             fruit.name: f"{status}+damaged" if damaged else str(status)
-            for fruit, status, damaged in zip(self._fruits, self._status, self.damaged, strict=True)
+            for fruit, status, damaged in zip(self._fruits, self.status, self.damaged, strict=True)
             if damaged or status is not FruitStatus.HANGING
         }
 
@@ -139,7 +130,7 @@ class Crops:
         self._client.changeConstraint(peg, maxForce=self._tool.peduncle_n)
         return int(peg)
 
-    def _between_blades(self, i: int, tool: ToolPose) -> bool:
+    def _between_blades(self, i: int, tool: LinkPose) -> bool:
         xyz, quaternion = self._client.getBasePositionAndOrientation(self._bodies[i])
         up = np.array(self._client.getMatrixFromQuaternion(quaternion)).reshape(3, 3)[:, 2]
         begin = np.array(xyz) + self._fruits[i].top_m * up

@@ -1,0 +1,122 @@
+"""The robot as one PyBullet body: loading, motors, readings, and putting it back where it was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import numpy.typing as npt
+import pybullet
+from pybullet_utils.bullet_client import BulletClient
+
+from robot_sim.actuators import JOINTS, WHEELS, axes
+from robot_sim.config import RobotConfig
+from robot_sim.limiter import Setpoints
+from robot_sim.urdf import robot_urdf
+
+F64 = npt.NDArray[np.float64]
+ALL_JOINTS: tuple[str, ...] = (*JOINTS, *WHEELS)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A free body in the world: position [m], quaternion (x, y, z, w), velocity [m/s], spin [rad/s]."""
+
+    xyz_m: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    velocity_m_s: tuple[float, ...]
+    spin_rad_s: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinkPose:
+    """A link in the world: xyz_m (3,), R (3, 3)."""
+
+    xyz_m: F64
+    R: F64
+
+    def local(self, point_m: F64) -> F64:
+        """A world point (3,) in the link's axes [m]."""
+        return np.asarray(self.R.T @ (point_m - self.xyz_m))
+
+    def world(self, point_m: npt.ArrayLike) -> F64:
+        """A point (3,) of the link's axes in the world [m]."""
+        return np.asarray(self.xyz_m + self.R @ np.asarray(point_m))
+
+
+def motion(client: BulletClient, body: int) -> Motion:
+    """How a body lies and moves."""
+    xyz, quaternion = client.getBasePositionAndOrientation(body)
+    velocity, spin = client.getBaseVelocity(body)
+    return Motion(tuple(xyz), tuple(quaternion), tuple(velocity), tuple(spin))
+
+
+def put(client: BulletClient, body: int, m: Motion) -> None:
+    """Lay a body down as it was."""
+    client.resetBasePositionAndOrientation(body, m.xyz_m, m.quaternion)
+    client.resetBaseVelocity(body, m.velocity_m_s, m.spin_rad_s)
+
+
+class RobotBody:
+    """The loaded URDF; link and joint numbers by name."""
+
+    def __init__(self, client: BulletClient, config: RobotConfig) -> None:
+        self._client = client
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "robot.urdf"
+            path.write_text(robot_urdf(config))
+            flags = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_MATERIAL_COLORS_FROM_MTL
+            self.id: int = client.loadURDF(str(path), [0.0, 0.0, 0.0], flags=flags)
+        infos = [client.getJointInfo(self.id, i) for i in range(client.getNumJoints(self.id))]
+        joints = {info[1].decode(): info[0] for info in infos}
+        self.links: dict[str, int] = {info[12].decode(): info[0] for info in infos}
+        self._joints = [joints[name] for name in ALL_JOINTS]
+        self._servos, self._wheels = self._joints[: len(JOINTS)], self._joints[len(JOINTS) :]
+        self._efforts = [axis.limits.effort for axis in axes(config)]
+        self._gains = [config.position_gain] * len(JOINTS)
+        self._ones = [1.0] * len(JOINTS)
+        self._radius = config.chassis.wheel_radius_m
+        self._wheel_efforts = [config.chassis.motor_nm / 3.0] * len(WHEELS)
+        self.set_joints([(axis.home, 0.0) for axis in axes(config)])
+
+    def follow(self, setpoints: Setpoints, left_m_s: float, right_m_s: float) -> None:
+        """Set all motors: servos to their set-points, tracks to their speeds over the floor [m/s]."""
+        self._client.setJointMotorControlArray(
+            self.id,
+            self._servos,
+            pybullet.POSITION_CONTROL,
+            targetPositions=setpoints.position,
+            targetVelocities=setpoints.velocity,
+            forces=self._efforts,
+            positionGains=self._gains,
+            velocityGains=self._ones,
+        )
+        left, right = left_m_s / self._radius, right_m_s / self._radius
+        self._client.setJointMotorControlArray(
+            self.id,
+            self._wheels,
+            pybullet.VELOCITY_CONTROL,
+            targetVelocities=[left] * 3 + [right] * 3,
+            forces=self._wheel_efforts,
+        )
+
+    def joints(self) -> list[tuple[float, float]]:
+        """Position and speed of every joint, in the order of ALL_JOINTS [rad or m, per second]."""
+        return [(state[0], state[1]) for state in self._client.getJointStates(self.id, self._joints)]
+
+    def set_joints(self, values: list[tuple[float, float]]) -> None:
+        """Put the joints, from the first one of ALL_JOINTS on, to positions and speeds."""
+        for joint, (q, qd) in zip(self._joints, values, strict=False):
+            self._client.resetJointState(self.id, joint, q, qd)
+
+    def where(self) -> tuple[float, float, float]:
+        """x, y [m] and yaw [rad] of the chassis."""
+        xyz, quaternion = self._client.getBasePositionAndOrientation(self.id)
+        return xyz[0], xyz[1], self._client.getEulerFromQuaternion(quaternion)[2]
+
+    def link_pose(self, link: str) -> LinkPose:
+        """Where a link's frame is."""
+        state = self._client.getLinkState(self.id, self.links[link], computeForwardKinematics=True)
+        return LinkPose(np.array(state[4]), np.array(self._client.getMatrixFromQuaternion(state[5])).reshape(3, 3))

@@ -1,0 +1,48 @@
+"""The greenhouse as PyBullet bodies: what the robot can run into, and meshes for the camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pybullet
+from pybullet_utils.bullet_client import BulletClient
+
+from robot_sim.primitives import Primitive
+from robot_sim.world.meshes import Mesh
+
+
+def load_floor(client: BulletClient) -> None:
+    """The floor on which the tracks grip."""
+    floor = client.createMultiBody(0.0, client.createCollisionShape(pybullet.GEOM_PLANE), _unseen(client))
+    client.changeDynamics(floor, -1, lateralFriction=1.0)
+
+
+def load_obstacles(client: BulletClient, boxes: Sequence[Primitive]) -> int:
+    """One body of all solid boxes; its number."""
+    shape = client.createCollisionShapeArray(
+        shapeTypes=[pybullet.GEOM_BOX] * len(boxes),
+        halfExtents=[[0.5 * s for s in b.size_m] for b in boxes],
+        collisionFramePositions=[b.xyz_m for b in boxes],
+    )
+    return int(client.createMultiBody(0.0, shape, _unseen(client)))
+
+
+def load_looks(client: BulletClient, meshes: Sequence[Mesh]) -> None:
+    """Bodies that are only seen."""
+    for mesh in meshes:
+        look = client.createVisualShape(
+            pybullet.GEOM_MESH,
+            vertices=mesh.vertices_m.tolist(),
+            indices=mesh.triangles.ravel().tolist(),
+            normals=mesh.normals.tolist(),
+            uvs=np.zeros((len(mesh.vertices_m), 2)).tolist(),
+            rgbaColor=mesh.rgba,
+        )
+        client.createMultiBody(0.0, baseVisualShapeIndex=look)
+
+
+def _unseen(client: BulletClient) -> int:
+    # a speck under the floor: without a look of its own PyBullet draws the collision shape
+    speck = client.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1e-4] * 3, visualFramePosition=[0.0, 0.0, -1.0])
+    return int(speck)
