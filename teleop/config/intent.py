@@ -186,11 +186,8 @@ class HandConfig(Section):
         default=0.85, ge=0.0, le=1.0, description="forearm along the ray beyond this cosine: unknown [1]; 32 deg"
     )
     min_confidence: float = Field(default=0.2, ge=0.0, le=1.0, description="hand joints below it: unknown [1]; ours")
-    open_area_m2: float = Field(
-        default=0.0105,
-        ge=0.001,
-        le=0.05,
-        description="hand area facing the camera above which it is open [m2]; rendered hands",
+    decide_margin: float = Field(
+        default=0.5, ge=0.0, le=10.0, description="log odds nearer zero than this: unknown [1]; rendered hands"
     )
     debounce_s: float = Field(
         default=0.12, ge=0.0, le=2.0, description="a new state must last this long [s]; 3-5 frames, research"
