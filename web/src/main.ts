@@ -19,11 +19,11 @@ import { Banner } from "./panels/banner";
 import { CameraPanel } from "./panels/camera";
 import { EventsPanel } from "./panels/events";
 import { FloorPanel } from "./panels/floor";
-import { helpDialog } from "./panels/help";
+import { helpSheet } from "./panels/help";
 import { LatencyPanel } from "./panels/latency";
 import { LegsPanel } from "./panels/legs";
 import { PlotsPanel } from "./panels/plots";
-import { RecordingsDialog } from "./panels/recordings";
+import { RecordingsSheet } from "./panels/recordings";
 import { ReplayPanel } from "./panels/replay";
 import { ScenePanel } from "./panels/scene";
 import { ToolsPanel } from "./panels/tools";
@@ -32,8 +32,8 @@ import { Sounds } from "./sounds";
 import type { ServerMessage, State } from "./wire";
 
 const sounds = new Sounds();
-const recordings = new RecordingsDialog();
-const help = helpDialog();
+const recordings = new RecordingsSheet();
+const help = helpSheet();
 const gone = h("div", { class: "gone", hidden: true, role: "alert" }, translated(h("h2"), "gone.title"), translated(h("p"), "gone.text"));
 
 const themeButton = titled(h("button", { class: "chip", type: "button" }, icon("theme")), "button.theme");
@@ -84,6 +84,7 @@ function receive(message: ServerMessage): void {
 function showLink(link: Link): void {
   banner.showLink(link);
   gone.hidden = link === "open" || link === "connecting";
+  document.body.classList.toggle("old", link !== "open");
 }
 
 const address = new URL("/api/v1/stream", location.href);
@@ -118,18 +119,13 @@ function toggleSound(): void {
   applyPreferences();
 }
 
-function toggleHelp(): void {
-  if (help.open) help.close();
-  else help.showModal();
-}
-
 themeButton.addEventListener("click", toggleTheme);
 languageButton.addEventListener("click", toggleLanguage);
 soundButton.addEventListener("click", toggleSound);
-helpButton.addEventListener("click", toggleHelp);
+helpButton.addEventListener("click", () => help.toggle());
 listen(() => void emergencyStop(), {
   "Shift+R": () => void act(api.estopReset()),
-  "?": toggleHelp,
+  "?": () => help.toggle(),
   e: () => banner.toggleEngage(),
   p: () => replay.toggle(),
   ArrowLeft: () => replay.step(-1),
@@ -155,7 +151,7 @@ document.getElementById("console")?.append(
   ),
   gone,
   noticeBoard(),
-  help,
+  help.element,
   recordings.element,
 );
 applyPreferences();

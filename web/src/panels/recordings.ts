@@ -3,27 +3,23 @@
 import { act } from "../act";
 import { type Recording, RequestError, api } from "../api";
 import { h } from "../dom";
-import { t, titled, translated } from "../i18n";
+import { t, translated } from "../i18n";
+import { Sheet } from "../sheet";
 import { clock } from "./replay";
 
-export class RecordingsDialog {
-  readonly element = h("dialog", { class: "sheet" });
+export class RecordingsSheet {
   private readonly list = h("div", { class: "recordings" });
   private readonly loop = h("input", { type: "checkbox", checked: true });
-
-  constructor() {
-    const close = titled(h("button", { class: "button round", type: "button" }, "×"), "button.close");
-    close.addEventListener("click", () => this.element.close());
-    this.element.append(
-      h("header", {}, translated(h("h2"), "panel.recordings"), close),
-      this.list,
-      h("label", { class: "check" }, this.loop, translated(h("span"), "recordings.loop")),
-    );
-  }
+  private readonly sheet = new Sheet(
+    "panel.recordings",
+    this.list,
+    h("label", { class: "check" }, this.loop, translated(h("span"), "recordings.loop")),
+  );
+  readonly element = this.sheet.element;
 
   async open(): Promise<void> {
     this.list.replaceChildren();
-    if (!this.element.open) this.element.showModal();
+    this.sheet.open();
     try {
       const recordings = await api.recordings();
       this.list.replaceChildren(...recordings.map((recording) => this.entry(recording)));
@@ -43,6 +39,6 @@ export class RecordingsDialog {
   }
 
   private async choose(recording: Recording): Promise<void> {
-    if (await act(api.openSession(recording.uri, this.loop.checked))) this.element.close();
+    if (await act(api.openSession(recording.uri, this.loop.checked))) this.sheet.close();
   }
 }

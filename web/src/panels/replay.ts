@@ -7,7 +7,7 @@ import { t, titled, translated } from "../i18n";
 import { icon, setIcon } from "../icons";
 import { type Panel, frame } from "../panel";
 import type { SourceState, State } from "../wire";
-import type { RecordingsDialog } from "./recordings";
+import type { RecordingsSheet } from "./recordings";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8] as const;
 const STEP_S = 5;
@@ -28,8 +28,8 @@ export class ReplayPanel implements Panel {
   private quiet_until_ms = 0;
   private dragging = false;
 
-  constructor(recordings: RecordingsDialog) {
-    for (const speed of SPEEDS) this.speed.append(h("option", { value: speed }, `${speed} ×`));
+  constructor(recordings: RecordingsSheet) {
+    for (const speed of SPEEDS) this.speed.append(h("option", { value: speed, selected: speed === 1 }, `${speed} ×`));
     this.play.addEventListener("click", () => this.toggle());
     this.slider.addEventListener("input", () => {
       this.dragging = true;

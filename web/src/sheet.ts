@@ -1,0 +1,31 @@
+/** A sheet over the panels that never covers the banner: the emergency stop stays in reach. */
+
+import { h } from "./dom";
+import { type Key, titled, translated } from "./i18n";
+
+export class Sheet {
+  readonly element: HTMLDialogElement;
+  private readonly close_: HTMLButtonElement;
+
+  constructor(title: Key, ...content: HTMLElement[]) {
+    this.close_ = titled(h("button", { class: "button round", type: "button" }, "×"), "button.close");
+    this.close_.addEventListener("click", () => this.close());
+    this.element = h("dialog", { class: "sheet" }, h("header", {}, translated(h("h2"), title), this.close_), ...content);
+    window.addEventListener("keydown", (event) => event.key === "Escape" && this.close());
+  }
+
+  open(): void {
+    // Not modal: a modal dialog would make the stop button deaf.
+    if (!this.element.open) this.element.show();
+    this.close_.focus();
+  }
+
+  close(): void {
+    this.element.close();
+  }
+
+  toggle(): void {
+    if (this.element.open) this.close();
+    else this.open();
+  }
+}
