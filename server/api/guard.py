@@ -66,26 +66,29 @@ class Guard:
             await too_large(scope, receive, send)
             return
         seen = 0
-        started = False
+        exceeded = started = False
 
         async def counted() -> Message:
-            nonlocal seen
+            nonlocal seen, exceeded
             message = await receive()
             seen += len(message.get("body", b""))
             if seen > limit:
+                exceeded = True
                 raise _TooLarge
             return message
 
         async def watched(message: Message) -> None:
             nonlocal started
-            started = True
-            await send(message)
+            if not exceeded:  # what is answered to a body cut short is not the answer to this request
+                started = True
+                await send(message)
 
         try:
             await self._app(scope, counted, watched)
         except _TooLarge:
-            if not started:
-                await too_large(scope, receive, send)
+            exceeded = True
+        if exceeded and not started:
+            await too_large(scope, receive, send)
 
 
 class _TooLarge(Exception):

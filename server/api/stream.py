@@ -17,11 +17,12 @@ router = APIRouter()
 _CLIENT_MESSAGE: TypeAdapter[wire.Painted | wire.View] = TypeAdapter(wire.ClientMessage)
 _TRY_LATER = 1013
 _POLICY = 1008
+_CLOSE_S = 2.0
 
 
 @router.websocket("/stream")
 async def stream(socket: WebSocket, engine: EngineDep, hub: HubDep) -> None:
-    """One task sends, this one receives; whichever ends first ends the other."""
+    """One task sends, one receives, one watches for a client that does not read; the first to end ends all."""
     await socket.accept()
     try:
         client = hub.join()
@@ -29,25 +30,37 @@ async def stream(socket: WebSocket, engine: EngineDep, hub: HubDep) -> None:
         await socket.close(_TRY_LATER, refusal.detail)
         return
     client.outbox.put_event(engine.hello().model_dump_json())
-    sender = asyncio.create_task(_send(socket, client))
-    receiver = asyncio.create_task(_receive(socket, client, engine, hub))
+    tasks = [
+        asyncio.create_task(work)
+        for work in (_send(socket, client), _receive(socket, client, engine, hub), client.outbox.overflowed.wait())
+    ]
     try:
-        await asyncio.wait({sender, receiver}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         hub.leave(client)
-        for task in (sender, receiver):
+        for task in tasks:
             task.cancel()
-        await asyncio.gather(sender, receiver, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)
+    if client.outbox.overflowed.is_set():
+        await _close_stalled(socket)
+
+
+async def _close_stalled(socket: WebSocket) -> None:
+    """Say why, if the connection still takes it; a client that reads nothing does not hear it."""
+    try:
+        await asyncio.wait_for(socket.close(_POLICY, "events were not read; connect again"), _CLOSE_S)
+    except (TimeoutError, RuntimeError, WebSocketDisconnect):
+        return
 
 
 async def _send(socket: WebSocket, client: Client) -> None:
     try:
-        while (payload := await client.outbox.get()) is not None:
+        while True:
+            payload = await client.outbox.get()
             if isinstance(payload, str):
                 await socket.send_text(payload)
             else:
                 await socket.send_bytes(payload)
-        await socket.close(_POLICY, "events were not read; connect again")
     except (WebSocketDisconnect, RuntimeError):
         return  # gone while we were sending
 

@@ -121,14 +121,14 @@ class Core:
         if command is None or source_failed:
             reason = Reason.SOURCE_FAILED if source_failed else Reason.NO_FRAME_STOP
             command = RobotCommand(t_ns=self._t_ns, reasons=(reason,))
-        inputs = Inputs(
-            engage=self.pending.engage, request=self.pending.take_request(now_s), source_failed=source_failed
-        )
-        self.pending.engage = False
         events = self._silence_events(command)
+        request = None
         if not events:
-            # told to stand still once; from then on a request may move the lift or the disc
+            # told to stand still once; from the next step on a request may move the lift or the disc
             command = replace(command, stand_still=False)
+            request = self.pending.take_request(now_s)
+        inputs = Inputs(engage=self.pending.engage, request=request, source_failed=source_failed)
+        self.pending.engage = False
         if inputs.engage:
             events = (*events, Event(self._t_ns, "refused", Reason.ENGAGE_NO_PERSON))
         if inputs.request is not None:

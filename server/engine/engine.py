@@ -217,7 +217,7 @@ class Engine(threading.Thread):
 
     def _publish(self, moment: Moment) -> None:
         session = self._session
-        self.publisher.publish(moment, session)
+        self.publisher.publish(moment)
         if session is not None and session.recorder is not None and session.recording_now:
             session.recording_now = session.recorder.write(moment)
             if not session.recording_now:
@@ -240,7 +240,7 @@ class Engine(threading.Thread):
         self._mailbox.clear()
         self._core.forget()
         self.ledger.clear()
-        self._session = session
+        self._session = self.publisher.session = session
         self._sessions.append(session)
         self._say_hello()
         self.publisher.announce("source", "source.opened", session.name)
@@ -254,7 +254,7 @@ class Engine(threading.Thread):
         def work() -> None:
             self._mailbox.clear()
             self._core.forget()
-            self._session = None
+            self._session = self.publisher.session = None
             self.publisher.announce("source", "source.closed", session.name)
 
         self.call(work).result(CALL_TIMEOUT_S)

@@ -35,7 +35,9 @@ class Publisher:
         self._arrivals: deque[float] = deque(maxlen=60)
         self._seq = 0
         self._state_s = self._image_s = 0.0
-        self._current: tuple[Moment, Session | None] | None = None
+        self._current: Moment | None = None
+        self.session: Session | None = None
+        """What is playing now; set by the engine."""
 
     def start(self) -> None:
         """Begin encoding pictures."""
@@ -45,7 +47,7 @@ class Publisher:
         """Stop encoding pictures."""
         self._previewer.stop()
 
-    def publish(self, moment: Moment, session: Session | None) -> None:
+    def publish(self, moment: Moment) -> None:
         """Hand everything new to the clients."""
         now_s = time.monotonic()
         if moment.fresh and moment.received_s is not None:
@@ -53,7 +55,7 @@ class Publisher:
         for event in moment.events:
             self.event(event)
         with self._lock:
-            self._current = (moment, session)
+            self._current = moment
         # frames jitter: a state may come a little early rather than a whole frame late
         if now_s - self._state_s < 0.6 / self._config.state_hz:
             return
@@ -67,7 +69,7 @@ class Publisher:
                 self._received_s[self._seq] = moment.received_s
                 while len(self._received_s) > _REMEMBERED:
                     self._received_s.popitem(last=False)
-        text = self._state(moment, session).model_dump_json()
+        text = self._state(moment).model_dump_json()
         self._ledger.add("encode", time.monotonic() - now_s)
         self._hub.post_state(text)
 
@@ -91,7 +93,7 @@ class Publisher:
         """The present state, or None before the first step."""
         with self._lock:
             current = self._current
-        return self._state(*current) if current else None
+        return self._state(current) if current else None
 
     def _images(self, moment: Moment, now_s: float) -> None:
         wanted = self._hub.wanted & _PICTURES
@@ -101,7 +103,7 @@ class Publisher:
             self._image_s = now_s
             self._previewer.offer(moment.frame, self._seq, wanted)
 
-    def _state(self, moment: Moment, session: Session | None) -> wire.State:
+    def _state(self, moment: Moment) -> wire.State:
         output = moment.output
         intent = output.intent if output else None
         track = output.track if output else None
@@ -113,7 +115,7 @@ class Publisher:
         return wire.State(
             seq=self._seq,
             t=round(time.time(), 3),
-            source=self._source(session),
+            source=self._source(self.session),
             skeleton=skeleton,
             spine_xz=(round(spine[0], 3), round(spine[1], 3)) if spine else None,
             floor=snapshot.floor_state(track.floor if track else None),

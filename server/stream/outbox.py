@@ -16,8 +16,9 @@ class Outbox:
         self._latest: dict[str, Payload] = {}
         self._ready = asyncio.Event()
         self._max_events = max_events
+        self.overflowed = asyncio.Event()
+        """Set when the client leaves too many events unread and must be closed."""
         self.replaced = 0
-        self.overflowed = False
 
     def put(self, kind: str, payload: Payload) -> None:
         """Leave a message of which only the newest matters."""
@@ -27,18 +28,16 @@ class Outbox:
         self._ready.set()
 
     def put_event(self, payload: Payload) -> None:
-        """Leave a message that must arrive; a client that leaves too many unread is marked for closing."""
+        """Leave a message that must arrive."""
         if len(self._events) >= self._max_events:
-            self.overflowed = True
-        else:
-            self._events.append(payload)
+            self.overflowed.set()
+            return
+        self._events.append(payload)
         self._ready.set()
 
-    async def get(self) -> Payload | None:
-        """The next message to send; None when the client must be closed because it does not read its events."""
+    async def get(self) -> Payload:
+        """The next message to send."""
         while True:
-            if self.overflowed:
-                return None
             if self._events:
                 return self._events.popleft()
             if self._latest:

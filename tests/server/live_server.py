@@ -1,8 +1,4 @@
-"""The real engine, robot and web server in this process, on a free port, with a body model of one leaf.
-
-The model votes every joint where the pixel is, so a skeleton comes out and every stage runs; what it is worth is
-tested elsewhere.
-"""
+"""The real engine, robot, body model and web server in this process, on a free port."""
 
 from __future__ import annotations
 
@@ -10,67 +6,45 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from itertools import islice
 from pathlib import Path
 
-import numpy as np
 import uvicorn
 
 from robot_sim.world import World
 from server.app import create_app
 from server.engine.engine import Engine
 from server.library import Library
-from server.settings import Settings
+from server.settings import Settings, bundled_recordings
 from server.stream.hub import Hub
-from teleop.body.model import BodyModel
-from teleop.body.parts import N_PARTS
+from teleop.body.model import load_model
 from teleop.body.tracker import BodyTracker
-from teleop.frames import Camera, DepthFrame, kinect_v1
-from teleop.joints import BONES, N_JOINTS
-from teleop.recording import McapWriter
+from teleop.frames import DepthFrame
+from teleop.recording import McapSource, McapWriter
 
-CAMERA = Camera(kinect_v1(160, 120))
-
-
-def one_leaf_model() -> BodyModel:
-    """One tree, one leaf: every part as likely as the other, every joint at the pixel itself."""
-    return BodyModel(
-        roots=np.zeros(1, np.int32),
-        offsets=np.zeros((1, 4), np.int16),
-        thresholds_mm=np.zeros(1, np.int16),
-        children=np.zeros(1, np.int32),
-        leaves=np.zeros(1, np.int32),
-        leaf_parts=np.full((1, N_PARTS), 255 // N_PARTS, np.uint8),
-        vote_joint=np.arange(N_JOINTS, dtype=np.uint8)[None],
-        vote_mm=np.zeros((1, N_JOINTS, 3), np.int16),
-        vote_spread=np.full((1, N_JOINTS), 20, np.uint8),
-        bandwidth_m=np.full(N_JOINTS, 0.1),
-        reference=np.ones(N_JOINTS),
-        bones_m=np.full(len(BONES), 0.25),
-        max_depth=1,
-        meta={},
-    )
+STANDING_S, COUNT = 2.0, 60
 
 
 def tracker(settings: Settings) -> BodyTracker:
-    return BodyTracker(one_leaf_model(), settings.teleop.body)
+    return BodyTracker(load_model(), settings.teleop.body)
 
 
-def frame(number: int, step_ns: int = 33_333_333, z_mm: int = 2300) -> DepthFrame:
-    """A board the size of a person before a wall."""
-    k = CAMERA.depth
-    v, u = np.mgrid[: k.height, : k.width]
-    depth = np.full((k.height, k.width), 4200, np.uint16)
-    z_m = z_mm / 1000
-    depth[(abs(u - k.cx) < 0.2 * k.fx / z_m) & (abs(v - k.cy) < 0.85 * k.fy / z_m)] = z_mm
-    depth[0, number % k.width] = 0
-    return DepthFrame(number * step_ns, depth, CAMERA, np.full((120, 160, 3), 128, np.uint8), number)
+@cache
+def frames() -> tuple[DepthFrame, ...]:
+    """Two seconds of the bundled recording in which the operator stands in the working zone, from time zero on."""
+    source = McapSource(bundled_recordings() / "greenhouse_demo.mcap")
+    taken = tuple(islice(source.frames(STANDING_S), COUNT))
+    source.close()
+    return tuple(replace(f, t_ns=f.t_ns - taken[0].t_ns, seq=i) for i, f in enumerate(taken))
 
 
-def write_walk(path: Path, count: int = 60) -> Path:
-    """A recording of the board."""
-    with McapWriter(path, CAMERA, source_uri="made by a test") as writer:
-        for i in range(count):
-            writer.write_frame(frame(i))
+def write_walk(path: Path, count: int = COUNT) -> Path:
+    """A recording of them."""
+    with McapWriter(path, frames()[0].camera, source_uri="made by a test") as writer:
+        for frame in frames()[:count]:
+            writer.write_frame(frame)
     return path
 
 

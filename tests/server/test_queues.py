@@ -2,7 +2,7 @@
 
 import asyncio
 
-from live_server import frame
+from live_server import frames
 
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived, Mailbox
@@ -11,8 +11,8 @@ from server.stream.outbox import Outbox
 
 def test_the_newest_frame_wins_and_a_restart_is_not_forgotten() -> None:
     mailbox = Mailbox()
-    mailbox.put(Arrived(frame(0), 1.0, 0.0, restarted=True))
-    mailbox.put(Arrived(frame(1), 2.0, 0.03))
+    mailbox.put(Arrived(frames()[0], 1.0, 0.0, restarted=True))
+    mailbox.put(Arrived(frames()[1], 2.0, 0.03))
     taken = mailbox.take(0.0)
     assert taken is not None and taken.frame.seq == 1 and taken.restarted
     assert mailbox.dropped == 1
@@ -45,7 +45,8 @@ def test_a_client_that_reads_no_events_is_to_be_closed() -> None:
         outbox = Outbox(max_events=2)
         for i in range(3):
             outbox.put_event(f"event {i}")
-        assert await outbox.get() is None
+        assert outbox.overflowed.is_set()
+        assert [await outbox.get() for _ in range(2)] == ["event 0", "event 1"]
 
     asyncio.run(scenario())
 
