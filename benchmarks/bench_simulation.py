@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from robot_sim.commands import ArmTarget, RobotCommand
+from robot_sim.config import GreenhouseConfig, RobotConfig
 from robot_sim.world import World
 
 FRAME_S = 1.0 / 30.0
@@ -31,13 +32,14 @@ def work(frame: int) -> RobotCommand:
 
 
 def speed(world: World, seconds: float) -> tuple[float, np.ndarray]:
-    """Times faster than real time, and the seconds of wall time of every frame's step."""
+    """Times faster than real time, by processor time of one core; wall seconds of every frame's step."""
     took = []
+    begin_cpu = time.process_time()
     for frame in range(round(seconds / FRAME_S)):
         begin = time.perf_counter()
         world.step(work(frame), FRAME_S)
         took.append(time.perf_counter() - begin)
-    return seconds / sum(took), np.array(took)
+    return seconds / (time.process_time() - begin_cpu), np.array(took)
 
 
 def straight(world: World) -> float:
@@ -61,9 +63,9 @@ def on_the_spot(world: World) -> float:
     return math.hypot(state.base_x_m - start.base_x_m, state.base_y_m - start.base_y_m)
 
 
-def tracking(world: World) -> tuple[float, float]:
-    """Largest error [deg] of arms and disc against their set-points: moving, and at rest."""
-    world.reset()
+def tracking() -> tuple[float, float]:
+    """Largest error [deg] of the arms against their set-points: moving, and at rest; no fruit in the way."""
+    world = World(RobotConfig(greenhouse=GreenhouseConfig(fruits_per_plant=0)))
     moving = resting = 0.0
     rng = np.random.default_rng(0)
     for _ in range(12):
@@ -76,6 +78,7 @@ def tracking(world: World) -> tuple[float, float]:
             moving = max(moving, error)
             if frame >= 57:
                 resting = max(resting, error)
+    world.close()
     return math.degrees(moving), math.degrees(resting)
 
 
@@ -91,12 +94,12 @@ def main() -> None:
         begin = time.perf_counter()
         world.head_camera_rgb()
         render.append(time.perf_counter() - begin)
-    moving_deg, resting_deg = tracking(world)
+    moving_deg, resting_deg = tracking()
     table = Table("simulation, 240 Hz, greenhouse row loaded, one core", "measured", "wanted")
     p50, p95, p99 = (1e3 * np.percentile(took, (50, 95, 99))).tolist()
     rows = (
-        ("times real time", f"{factor:.1f}", ">= 4"),
-        ("one frame's step (8 ticks), p50 / p95 / p99", f"{p50:.2f} / {p95:.2f} / {p99:.2f} ms", "33.3 ms"),
+        ("times real time (processor time)", f"{factor:.1f}", ">= 4"),
+        ("one frame's step (8 ticks), wall, p50 / p95 / p99", f"{p50:.2f} / {p95:.2f} / {p99:.2f} ms", "33.3 ms"),
         ("loading", f"{loaded_s * 1e3:.0f} ms", ""),
         ("head camera 320x240, p50", f"{1e3 * np.median(render):.1f} ms", ""),
         ("sideways after 2 m", f"{1e3 * straight(world):.2f} mm", "< 20 mm"),

@@ -155,7 +155,7 @@ class ToolConfig(RobotSection):
         description="cutter blade, 0 open, upper closed [rad]",
     )
     bruise_n: float = Field(default=60.0, ge=1.0, le=1000.0, description="contact force that damages fruit [N]")
-    peduncle_n: float = Field(default=40.0, ge=1.0, le=500.0, description="pull that a peduncle resists [N]")
+    peduncle_n: float = Field(default=40.0, ge=1.0, le=500.0, description="pull at which a peduncle tears [N]")
 
 
 class SprayConfig(RobotSection):

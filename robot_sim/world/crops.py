@@ -18,6 +18,7 @@ from robot_sim.world.body import LinkPose, Motion, motion, put
 MOVED_M = 0.004
 """A hanging fruit that swings less than this is drawn where it was."""
 FLOOR_M = 0.12
+STIFF = 5.0
 
 
 class FruitStatus(StrEnum):
@@ -77,6 +78,8 @@ class Crops:
             touching.setdefault(contact.fruit, set()).add(contact.link)
             if contact.force_n > self._tool.bruise_n:
                 self.damaged[contact.fruit] = True
+        for i in touching:
+            self._tear(i)
         for i, peg in enumerate(self._pegs):
             if touching.get(i, set()).issuperset(fingers):
                 self.status[i] = FruitStatus.HELD
@@ -127,8 +130,16 @@ class Crops:
             parentFramePosition=[0.0, 0.0, fruit.top_m + 0.5 * PEDUNCLE_M],
             childFramePosition=[x, y, z + fruit.top_m + 0.5 * PEDUNCLE_M],
         )  # fmt: skip
-        self._client.changeConstraint(peg, maxForce=self._tool.peduncle_n)
+        # stiffer than it is strong: beyond its strength it tears instead of giving
+        self._client.changeConstraint(peg, maxForce=STIFF * self._tool.peduncle_n)
         return int(peg)
+
+    def _tear(self, i: int) -> None:
+        """A peduncle pulled beyond its strength parts, and the fruit is spoilt."""
+        peg = self._pegs[i]
+        if peg is not None and np.linalg.norm(self._client.getConstraintState(peg)) > self._tool.peduncle_n:
+            self.detach(i)
+            self.damaged[i] = True
 
     def _between_blades(self, i: int, tool: LinkPose) -> bool:
         xyz, quaternion = self._client.getBasePositionAndOrientation(self._bodies[i])

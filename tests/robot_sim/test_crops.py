@@ -117,3 +117,18 @@ def test_every_moved_part_is_scenery(world: World) -> None:
     assert set(state.moved) == {p.name for p in fruit.parts} <= names
     for pose in state.moved.values():
         assert math.hypot(*pose[3:]) == pytest.approx(1.0)
+
+
+def test_an_arm_that_pushes_through_tears_fruit_off_and_is_not_blocked(world: World) -> None:
+    target = ArmTarget(57.3, 24.3, 93.7)
+    state = run(world, 2.0, left_arm=target, rear_arm=target)
+    assert any(status.endswith("+damaged") for status in state.fruits.values())
+    assert state.joint_rad["left_elbow"] == pytest.approx(state.target_rad["left_elbow"], abs=math.radians(0.8))
+
+
+def test_no_fruit_is_lost_through_floor_or_box(world: World) -> None:
+    for i in range(len(world.fruits)):
+        world._crops.detach(i)
+    state = run(world, 3.0)
+    assert all(pose[2] > -0.01 for pose in state.moved.values())
+    assert set(state.fruits.values()) <= {"dropped", "loose"}
