@@ -87,6 +87,8 @@ def run_track(uri: str, output: Path, config: TeleopConfig, console: Console) ->
 
     Raises TeleopError for a source, a model or an output that cannot be used.
     """
+    if not output.parent.is_dir():
+        raise TeleopError(f"cannot write {output}: its folder does not exist; choose another --output")
     with closing(open_source(uri)) as source:
         pipeline = Pipeline(BodyTracker(load_model(), config.body), config)
         with console.status("compiling kernels"):
