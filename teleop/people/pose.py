@@ -11,9 +11,9 @@ from teleop.people.rig import BONE, FINGERS, N_BONES, SIDES, Floats, Posed, Rig,
 
 DOWN: Final = (0.0, -1.0, 0.0)
 FORWARD: Final = (0.0, 0.0, -1.0)
-_MCP_PIP_DIP_RAD: Final = (1.35, 1.65, 1.05)
+_MCP_PIP_DIP_RAD: Final = (1.48, 1.75, 1.25)
 """Flexion of the three finger segments in a tight fist."""
-_THUMB_RAD: Final = (0.55, 0.75, 0.75)
+_THUMB_RAD: Final = (0.60, 0.80, 0.90)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

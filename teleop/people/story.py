@@ -146,11 +146,11 @@ def _pick(s: _Script) -> None:
 def _spray(s: _Script) -> None:
     """Right fist to open: on; sweep; left fist to open: next liquid; right fist: off."""
     s.to(0.9, right=arm(1, 45, 5, 105, curl=FIST), left=arm(-1, 30, 5, 95, curl=FIST))
-    s.to(0.5)
+    s.to(0.8)
     s.to(0.5, right=arm(1, 45, 5, 105, curl=OPEN))
     s.to(0.9, right=arm(1, 75, 5, 120, curl=OPEN))
     s.to(0.9, right=arm(1, 30, 5, 105, curl=OPEN))
     s.to(0.5, left=arm(-1, 30, 5, 95, curl=OPEN))
     s.to(0.9, right=arm(1, 60, 5, 115, curl=OPEN))
     s.to(0.5, right=arm(1, 60, 5, 115, curl=FIST))
-    s.to(0.6)
+    s.to(0.8)
