@@ -10,12 +10,10 @@ import numpy.typing as npt
 
 from teleop.body.votes import Proposals
 from teleop.config.body import SkeletonConfig
-from teleop.joints import BONES, JOINT_INDEX
+from teleop.joints import BONES
 
 _PARENT: Final = np.array([a for a, _ in BONES], np.int64)
 _CHILD: Final = np.array([b for _, b in BONES], np.int64)
-TRUNK: Final = tuple(JOINT_INDEX[n] for n in ("head", "shoulder_center", "shoulder_right", "shoulder_left", "spine"))
-"""What must be seen for a shape to be a person."""
 
 
 @nb.njit(cache=True, nogil=True)
@@ -87,8 +85,3 @@ def assemble(
     confidence = np.where(np.isnan(joints[:, 0]), 0.0, confidence)
     joints[confidence < config.min_confidence] = np.nan
     return joints, confidence
-
-
-def person_score(confidence: npt.NDArray[np.float64]) -> float:
-    """Mean confidence of the trunk, 0..1: how sure it is that this is a person at all."""
-    return float(confidence[list(TRUNK)].mean())

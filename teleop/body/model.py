@@ -15,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.parts import N_PARTS
+from teleop.body.person import N_FEATURES
 from teleop.errors import ModelError
-from teleop.joints import N_JOINTS
+from teleop.joints import BONES, N_JOINTS
 
 FORMAT: Final = "greenhouse-teleop body model 1"
 OFFSET_UNIT_M: Final = 1e-4
@@ -37,7 +38,7 @@ class BodyModel:
     leaf_parts: (L, P) uint8, 255 = 1. vote_joint: (L, K) uint8, N_JOINTS where there is no vote.
     vote_mm: (L, K, 3) int16 joint minus pixel, skeleton axes. vote_spread: (L, K) uint8 in 2 mm.
     bandwidth_m, reference: (J,) mean-shift bandwidth; summed weight of a well-seen joint. bones_m: (B,) mean length
-    of teleop.joints.BONES. max_depth: deepest leaf. meta: provenance.
+    of teleop.joints.BONES. person_weights: see teleop.body.person. max_depth: deepest leaf. meta: provenance.
     """
 
     roots: npt.NDArray[np.int32]
@@ -52,6 +53,7 @@ class BodyModel:
     bandwidth_m: npt.NDArray[np.float64]
     reference: npt.NDArray[np.float64]
     bones_m: npt.NDArray[np.float64]
+    person_weights: npt.NDArray[np.float64]
     max_depth: int
     meta: dict[str, Any]
 
@@ -74,6 +76,7 @@ _ARRAYS: Final = {
     "bandwidth_m": np.float64,
     "reference": np.float64,
     "bones_m": np.float64,
+    "person_weights": np.float64,
 }
 
 
@@ -116,6 +119,8 @@ def _check(model: BodyModel, path: Path) -> None:
         and model.vote_spread.shape == model.vote_joint.shape
         and len(model.vote_joint) == leaves
         and model.bandwidth_m.shape == model.reference.shape == (N_JOINTS,)
+        and model.bones_m.shape == (len(BONES),)
+        and model.person_weights.shape == (2 * N_FEATURES + 1,)
         and nodes > 0
         and bool((model.roots >= 0).all() and (model.roots < nodes).all())
         and bool((model.children >= 0).all() and (model.children[~at_leaf] < nodes - 1).all())

@@ -109,21 +109,23 @@ def rank(scene: Scene, previous: npt.NDArray[np.bool_] | None, config: Segmentat
 def limbs_of(scene: Scene, main: int, config: SegmentationConfig) -> npt.NDArray[np.bool_]:
     """Which labels (C,) belong to the operator ``main``: it, and pieces its own arms or a table cut off it.
 
-    A piece touches the operator's outline in the image, is small, and lies before it within an arm's reach.
+    A piece touches the operator's outline in the image and lies before it within an arm's reach, hardly behind it; it
+    is small, or stands in line with it (crossed arms part the chest from the hips).
     """
     s = scene.surfaces
     chosen = np.zeros(len(s.cells), np.bool_)
     chosen[main] = True
-    touching = adjacency(scene.labels, main, len(s.cells), 2)
+    touching = adjacency(scene.labels, main, len(s.cells), 4)
     for k in np.flatnonzero(touching):
         small = s.area_m2[k] < 0.5 * s.area_m2[main] and s.cells[k] >= 3
         nearer = s.centre_m[main, 2] - s.centre_m[k, 2]
-        bound = touching[k] >= 0.08 * s.cells[k]
+        aligned = abs(s.centre_m[k, 0] - s.centre_m[main, 0]) < 0.3 and abs(nearer) < 0.3
+        bound = touching[k] >= 0.05 * s.cells[k]
         low = np.minimum(s.low_m[main], s.low_m[k])
         high = np.maximum(s.high_m[main], s.high_m[k])
         size = high - low
         sized = size[0] <= config.max_width_m and size[1] <= config.max_height_m and size[2] <= config.max_thickness_m
-        if small and bound and sized and -0.15 < nearer < 0.9:
+        if (small or aligned) and bound and sized and -0.3 < nearer < 0.9:
             chosen[k] = True
     return chosen
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.assemble import assemble, person_score
+from teleop.body.assemble import assemble
 from teleop.body.features import pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
 from teleop.body.model import BodyModel
-from teleop.body.segmentation import Candidate, candidate, grid_mask, look, rank
+from teleop.body.person import person_features, person_probability
+from teleop.body.segmentation import Candidate, Scene, candidate, grid_mask, look, rank
 from teleop.body.votes import propose, vote_weights
 from teleop.config.body import BodyConfig
 from teleop.frames import Camera, DepthFrame
@@ -35,12 +36,14 @@ class TrackerState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Single:
-    """The answer for one candidate in one frame: joints (20, 3), confidence (20,), parts, score 0..1."""
+    """The answer for one candidate in one frame: joints (20, 3), confidence (20,), parts, cues and probability that
+    it is a person at all."""
 
     joints_m: npt.NDArray[np.float64]
     confidence: npt.NDArray[np.float64]
     parts: BodyParts
-    score: float
+    cues: npt.NDArray[np.float64]
+    person: float
 
 
 class BodyTracker:
@@ -64,26 +67,37 @@ class BodyTracker:
         reset = dt_s is None
         scene = look(frame, state.floor, self.config.floor, self.config.segmentation)
         state = replace(state, t_ns=frame.t_ns, camera=frame.camera, floor=scene.floor)
-        smooth = self.config.filter.enabled
-        for label in rank(scene, state.cells if smooth else None, self.config.segmentation):
+        picked = self._pick(frame, scene, state)
+        if picked is None:
+            lost = replace(state, cells=None, centre_m=None, filter=empty_state())
+            return Track(frame.t_ns, None, None, scene.floor, None, None, reset), lost
+        found, single, fresh = picked
+        if fresh:
+            state = replace(state, filter=empty_state())
+        skeleton, filter_state = self._smooth(frame.t_ns, single, dt_s, state.filter)
+        cut = fresh and state.centre_m is not None and self.config.filter.enabled
+        track = Track(frame.t_ns, skeleton, single.parts, scene.floor, found.mask, found.box, reset or cut)
+        cells = grid_mask(found, scene.step)
+        return track, replace(state, cells=cells, centre_m=found.centre_m, filter=filter_state)
+
+    def _pick(self, frame: DepthFrame, scene: Scene, state: TrackerState) -> tuple[Candidate, Single, bool] | None:
+        """The operator among the scene's surfaces, and whether it is a new one. None: nobody.
+
+        The one who was there is kept as long as it may be a person; else the likeliest person of all is taken.
+        """
+        best: tuple[Candidate, Single, bool] | None = None
+        known = state.cells is not None and state.centre_m is not None and self.config.filter.enabled
+        for label in rank(scene, state.cells if known else None, self.config.segmentation):
             found = candidate(frame, scene, label, self.config.segmentation)
             if found is None:
                 continue
-            moved = state.centre_m is not None and (
-                np.linalg.norm(found.centre_m - state.centre_m) > self.config.scene_cut_m
-            )
-            fresh = moved or state.centre_m is None or not smooth
-            single = self.estimate(frame, found, None if fresh else state.filter.joints_m)
-            if single.score < self.config.skeleton.min_person_score:
-                continue
-            if fresh:
-                state = replace(state, filter=empty_state())
-            skeleton, filter_state = self._smooth(frame.t_ns, single, dt_s, state.filter)
-            track = Track(frame.t_ns, skeleton, single.parts, scene.floor, found.mask, found.box, reset or bool(moved))
-            cells = grid_mask(found, scene.step)
-            return track, replace(state, cells=cells, centre_m=found.centre_m, filter=filter_state)
-        lost = replace(state, cells=None, centre_m=None, filter=empty_state())
-        return Track(frame.t_ns, None, None, scene.floor, None, None, reset), lost
+            near = known and np.linalg.norm(found.centre_m - state.centre_m) <= self.config.scene_cut_m
+            single = self.estimate(frame, found, state.filter.joints_m if near else None)
+            if near and single.person >= self.config.person.keep:
+                return found, single, False
+            if single.person >= self.config.person.acquire and (best is None or single.person > best[1].person):
+                best = found, single, True
+        return best
 
     def estimate(self, frame: DepthFrame, found: Candidate, previous_m: npt.NDArray[np.float64] | None) -> Single:
         """Joints of one candidate from this frame alone, helped by the last joints where given."""
@@ -94,7 +108,8 @@ class BodyTracker:
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
         joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
-        return Single(joints, confidence, parts, person_score(confidence))
+        cues = person_features(parts, proposals, joints, confidence, model.bones_m, camera.depth.fx)
+        return Single(joints, confidence, parts, cues, person_probability(cues, model.person_weights))
 
     def warm_up(self, camera: Camera) -> None:
         """Compile every kernel by tracking two frames of a standing shape, so that the first real frame is quick."""

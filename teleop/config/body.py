@@ -83,9 +83,13 @@ class SkeletonConfig(Section):
         le=5,
         description="distance from the last frame's joint that costs as much as a weight ratio of e [m]",
     )
-    min_person_score: float = Field(
-        0.3, ge=0, le=1, description="mean confidence of head, shoulders and trunk below which it is no person"
-    )
+
+
+class PersonConfig(Section):
+    """Deciding whether a surface is a person."""
+
+    acquire: float = Field(0.5, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
+    keep: float = Field(0.15, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
 
 
 class FilterConfig(Section):
@@ -114,6 +118,7 @@ class BodyConfig(Section):
     forest: ForestConfig = Field(default_factory=ForestConfig)
     proposals: ProposalConfig = Field(default_factory=ProposalConfig)
     skeleton: SkeletonConfig = Field(default_factory=SkeletonConfig)
+    person: PersonConfig = Field(default_factory=PersonConfig)
     filter: FilterConfig = Field(default_factory=FilterConfig)
     max_gap_s: float = Field(0.5, gt=0, le=60, description="a longer gap between two frames resets the tracker [s]")
     scene_cut_m: float = Field(

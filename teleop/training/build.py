@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.model import BodyModel
+from teleop.body.person import N_FEATURES
 from teleop.joints import BONES, N_JOINTS
 from teleop.training.dataset import Images, draw_pixels
 from teleop.training.leaves import Leaves, fill_leaves
@@ -45,7 +46,7 @@ def bone_lengths(joints_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 def join_trees(
     trees: list[Tree], leaves: list[Leaves], bones_m: npt.NDArray[np.float64], meta: dict[str, Any]
 ) -> BodyModel:
-    """One model of several trees; bandwidth and reference are still to be fitted."""
+    """One model of several trees; bandwidth, reference and person weights are still to be fitted."""
     node_base = np.cumsum([0, *(len(t.children) for t in trees)])
     leaf_base = np.cumsum([0, *(len(c.parts) for c in leaves)])
     return BodyModel(
@@ -65,6 +66,7 @@ def join_trees(
         bandwidth_m=np.full(N_JOINTS, START_BANDWIDTH_M),
         reference=np.ones(N_JOINTS),
         bones_m=bones_m,
+        person_weights=np.zeros(2 * N_FEATURES + 1),
         max_depth=max(t.max_depth for t in trees),
         meta=meta,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,9 +12,15 @@ import numpy.typing as npt
 from teleop.body.features import PaddedImage, body_pixels, body_points
 from teleop.body.forest import forest_leaves, stride_for
 from teleop.body.model import BodyModel
+from teleop.body.parts import NO_PART
+from teleop.body.person import design
+from teleop.body.segmentation import candidate, look, rank
+from teleop.body.tracker import BodyTracker
 from teleop.body.votes import Proposals, propose, vote_weights
 from teleop.config.body import BodyConfig
+from teleop.errors import ModelError
 from teleop.joints import N_JOINTS
+from teleop.people.sampling import RenderedFrame
 from teleop.training.dataset import Images
 
 BANDWIDTHS_M: Final = (0.025, 0.035, 0.05, 0.07, 0.1)
@@ -93,3 +100,52 @@ def fit_model(model: BodyModel, images: Images, frames: int, config: BodyConfig)
         seen = scores[best[j]][visible[:, j], j]
         reference[j] = max(float(np.quantile(seen, REFERENCE_QUANTILE)), 1e-9)
     return replace(model, bandwidth_m=np.array(BANDWIDTHS_M)[best], reference=reference)
+
+
+def logistic_weights(
+    rows: npt.NDArray[np.float64], labels: npt.NDArray[np.bool_], ridge: float
+) -> npt.NDArray[np.float64]:
+    """Weights (D,) of a ridge-regularised logistic regression on rows (N, D), both classes weighing the same.
+
+    Newton's method; the ridge acts on standardised columns, the last column is the constant one.
+    """
+    mean, scale = rows[:, :-1].mean(axis=0), rows[:, :-1].std(axis=0) + 1e-9
+    x = np.concatenate([(rows[:, :-1] - mean) / scale, np.ones((len(rows), 1))], axis=1)
+    y = labels.astype(np.float64)
+    sample = np.where(labels, 0.5 / max(labels.sum(), 1), 0.5 / max((~labels).sum(), 1)) * len(rows)
+    penalty = np.full(x.shape[1], ridge)
+    penalty[-1] = 1e-6
+    w = np.zeros(x.shape[1])
+    for _ in range(50):
+        p = 1.0 / (1.0 + np.exp(-np.clip(x @ w, -30, 30)))
+        gradient = x.T @ (sample * (p - y)) + penalty * w
+        hessian = (x * (sample * p * (1 - p))[:, None]).T @ x + np.diag(penalty + 1e-9)
+        step = np.linalg.solve(hessian, gradient)
+        w = w - step
+        if np.abs(step).max() < 1e-8:
+            break
+    plain = w[:-1] / scale
+    return np.append(plain, w[-1] - plain @ mean)
+
+
+def fit_person(model: BodyModel, frames: Iterable[RenderedFrame], config: BodyConfig) -> BodyModel:
+    """The model with person weights fitted on people and furniture in rendered rooms.
+
+    A surface is a person when more than half of it is one, nobody when less than a tenth is.
+    """
+    tracker = BodyTracker(model, config)
+    rows, labels = [], []
+    for shot in frames:
+        scene = look(shot.frame, None, config.floor, config.segmentation)
+        for label in rank(scene, None, config.segmentation.model_copy(update={"candidates": 10})):
+            found = candidate(shot.frame, scene, label, config.segmentation)
+            if found is None:
+                continue
+            share = float((shot.part[found.mask] != NO_PART).mean())
+            if share > 0.5 or share < 0.1:
+                rows.append(design(tracker.estimate(shot.frame, found, None).cues))
+                labels.append(share > 0.5)
+    is_person = np.array(labels)
+    if len(rows) == 0 or is_person.all() or not is_person.any():
+        raise ModelError("the rooms show no people or nothing else; render more frames to fit what tells them apart")
+    return replace(model, person_weights=logistic_weights(np.array(rows), is_person, 0.3))
