@@ -11,7 +11,7 @@ from fastapi import APIRouter, FastAPI
 from fastapi.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
 
-from server.api import config, health, operate, problems, recordings, replay, sessions, stream
+from server.api import config, health, operate, problems, push, recordings, replay, sessions, stream
 from server.api.guard import Guard
 from server.engine.engine import Engine
 from server.library import Library
@@ -45,7 +45,7 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings) -
     app.state.engine, app.state.hub, app.state.library = engine, hub, library
     problems.install(app)
     api = APIRouter(prefix="/api/v1")
-    for part in (health, config, operate, replay, recordings, sessions, stream):
+    for part in (health, config, operate, replay, recordings, sessions, stream, push):
         api.include_router(part.router)
     app.include_router(api)
     app.include_router(health.metrics_router(engine, hub))

@@ -18,6 +18,8 @@ LIVE_SCHEMES = ("openni2:", "freenect:", "realsense:", "orbbec:", "virtual:")
 def open_named(engine: Engine, library: Library, name: str, *, loop: bool, record: bool = False) -> Session:
     """Open what a client asks for. Raises Refused (403 a path, 404 an unknown recording) and TeleopError."""
     scheme = next((s for s in LIVE_SCHEMES if name.lower().startswith(s)), None)
+    if name.lower().startswith("push:"):
+        raise Refused(422, "push: begins when a sender connects to /api/v1/push; close the running session for it")
     record_to = _record_to(library, name) if record else None
     if scheme is None:
         return engine.open(name, open_source(str(library.find(name).path)), loop, record_to)

@@ -57,7 +57,8 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     from teleop.body.tracker import BodyTracker
     from teleop.sources import open_source
 
-    if settings.source:
+    waits_for_sender = settings.source.lower().startswith("push:")
+    if settings.source and not waits_for_sender:
         open_source(settings.source).close()
     tell("reading the body model")
     tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
@@ -69,7 +70,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     engine = Engine(settings, tracker, world, hub)
     engine.start()
     try:
-        if settings.source:
+        if settings.source and not waits_for_sender:
             tell("compiling kernels (a minute the first time)")
             open_path(engine, library, settings.source, loop=settings.loop, record=settings.record)
         app = create_app(engine, hub, library, settings)

@@ -42,7 +42,7 @@ def serve(
                 return
             status.stop()
             host = f"[{settings.host}]" if ":" in settings.host else settings.host
-            playing = f"playing {settings.source}" if settings.source else "no source yet"
+            playing = f"source {settings.source}" if settings.source else "no source yet"
             out.print(f"http://{host}:{settings.port}  {playing}  (Ctrl-C stops)", soft_wrap=True)
 
         run(settings, listener, tell)
