@@ -9,12 +9,12 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import numpy.typing as npt
 import pybullet
-from pybullet_utils.bullet_client import BulletClient
 
 from robot_sim.actuators import JOINTS, WHEELS, axes
 from robot_sim.config import RobotConfig
 from robot_sim.limiter import Setpoints
 from robot_sim.urdf import robot_urdf
+from robot_sim.world.client import Client
 
 F64 = npt.NDArray[np.float64]
 ALL_JOINTS: tuple[str, ...] = (*JOINTS, *WHEELS)
@@ -46,14 +46,14 @@ class LinkPose:
         return np.asarray(self.xyz_m + self.R @ np.asarray(point_m))
 
 
-def motion(client: BulletClient, body: int) -> Motion:
+def motion(client: Client, body: int) -> Motion:
     """How a body lies and moves."""
     xyz, quaternion = client.getBasePositionAndOrientation(body)
     velocity, spin = client.getBaseVelocity(body)
     return Motion(tuple(xyz), tuple(quaternion), tuple(velocity), tuple(spin))
 
 
-def put(client: BulletClient, body: int, m: Motion) -> None:
+def put(client: Client, body: int, m: Motion) -> None:
     """Lay a body down as it was."""
     client.resetBasePositionAndOrientation(body, m.xyz_m, m.quaternion)
     client.resetBaseVelocity(body, m.velocity_m_s, m.spin_rad_s)
@@ -62,7 +62,7 @@ def put(client: BulletClient, body: int, m: Motion) -> None:
 class RobotBody:
     """The loaded URDF; link and joint numbers by name."""
 
-    def __init__(self, client: BulletClient, config: RobotConfig) -> None:
+    def __init__(self, client: Client, config: RobotConfig) -> None:
         self._client = client
         with TemporaryDirectory() as folder:
             path = Path(folder) / "robot.urdf"

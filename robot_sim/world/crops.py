@@ -8,12 +8,12 @@ from enum import StrEnum
 
 import numpy as np
 import pybullet
-from pybullet_utils.bullet_client import BulletClient
 
 from robot_sim.config import ToolConfig
 from robot_sim.plants import PEDUNCLE_M, Fruit
 from robot_sim.urdf_parts_tools import BOX_MIDDLE_M, BOX_SIZE_M, CUT_HALF_M, CUT_MIDDLE_M
 from robot_sim.world.body import LinkPose, Motion, motion, put
+from robot_sim.world.client import Client
 
 MOVED_M = 0.004
 """A hanging fruit that swings less than this is drawn where it was."""
@@ -43,7 +43,7 @@ class FruitContact:
 class Crops:
     """All fruit of one world. Rebuilt with it."""
 
-    def __init__(self, client: BulletClient, fruits: Sequence[Fruit], tool: ToolConfig) -> None:
+    def __init__(self, client: Client, fruits: Sequence[Fruit], tool: ToolConfig) -> None:
         self._client = client
         self._fruits = fruits
         self._tool = tool
@@ -151,7 +151,7 @@ class Crops:
         return bool((np.abs(points - CUT_MIDDLE_M) <= CUT_HALF_M).all(axis=1).any())
 
 
-def _body(client: BulletClient, fruit: Fruit) -> int:
+def _body(client: Client, fruit: Fruit) -> int:
     """One dynamic body; a cucumber collides as a capsule, a truss as its tomatoes."""
     offsets = [[p - c for p, c in zip(part.xyz_m, fruit.xyz_m, strict=True)] for part in fruit.parts]
     if fruit.crop == "cucumber":

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pybullet
-from pybullet_utils.bullet_client import BulletClient
+
+from robot_sim.world.client import Client
 
 SKY_RGB = (214, 226, 230)
 """Diffuse glass behind everything."""
 
 
 def render_rgb(
-    client: BulletClient, view: npt.NDArray[np.float64], projection: npt.NDArray[np.float64], width: int, height: int
+    client: Client, view: npt.NDArray[np.float64], projection: npt.NDArray[np.float64], width: int, height: int
 ) -> npt.NDArray[np.uint8]:
     """Render with OpenGL view and projection matrices (4, 4): (height, width, 3) uint8 RGB."""
     _, _, rgba, depth, _ = client.getCameraImage(

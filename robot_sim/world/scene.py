@@ -6,19 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 import pybullet
-from pybullet_utils.bullet_client import BulletClient
 
 from robot_sim.primitives import Primitive
+from robot_sim.world.client import Client
 from robot_sim.world.meshes import Mesh
 
 
-def load_floor(client: BulletClient) -> None:
+def load_floor(client: Client) -> None:
     """The floor on which the tracks grip."""
     floor = client.createMultiBody(0.0, client.createCollisionShape(pybullet.GEOM_PLANE), _unseen(client))
     client.changeDynamics(floor, -1, lateralFriction=1.0)
 
 
-def load_obstacles(client: BulletClient, boxes: Sequence[Primitive]) -> int:
+def load_obstacles(client: Client, boxes: Sequence[Primitive]) -> int:
     """One body of all solid boxes; its number."""
     shape = client.createCollisionShapeArray(
         shapeTypes=[pybullet.GEOM_BOX] * len(boxes),
@@ -28,7 +28,7 @@ def load_obstacles(client: BulletClient, boxes: Sequence[Primitive]) -> int:
     return int(client.createMultiBody(0.0, shape, _unseen(client)))
 
 
-def load_looks(client: BulletClient, meshes: Sequence[Mesh]) -> None:
+def load_looks(client: Client, meshes: Sequence[Mesh]) -> None:
     """Bodies that are only seen."""
     for mesh in meshes:
         look = client.createVisualShape(
@@ -42,7 +42,7 @@ def load_looks(client: BulletClient, meshes: Sequence[Mesh]) -> None:
         client.createMultiBody(0.0, baseVisualShapeIndex=look)
 
 
-def _unseen(client: BulletClient) -> int:
+def _unseen(client: Client) -> int:
     # a speck under the floor: without a look of its own PyBullet draws the collision shape
     speck = client.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1e-4] * 3, visualFramePosition=[0.0, 0.0, -1.0])
     return int(speck)

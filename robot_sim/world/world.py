@@ -6,8 +6,6 @@ from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
-import pybullet
-from pybullet_utils.bullet_client import BulletClient
 
 from robot_sim.actuators import JOINT_INDEX, JOINTS
 from robot_sim.commands import Liquid, RobotCommand
@@ -24,6 +22,7 @@ from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.urdf_parts_tools import NOZZLE_M
 from robot_sim.world.body import ALL_JOINTS, RobotBody, motion, put
+from robot_sim.world.client import Client
 from robot_sim.world.contacts import Touch, away_from
 from robot_sim.world.crops import Crops, FruitContact
 from robot_sim.world.meshes import merge
@@ -62,7 +61,7 @@ class World:
         self._greenhouse = greenhouse(self.config.greenhouse, seed)
         self._canopy = canopy(self._greenhouse.leaves)
         self._meshes = merge(self._greenhouse.parts)
-        self._client = BulletClient(pybullet.DIRECT)
+        self._client = Client()
         self._start()
 
     @property
