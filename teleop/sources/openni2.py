@@ -27,17 +27,21 @@ class OpenNI2Source:
         """argument: a device URI, an .oni file, or empty for the first device. Raises SourceError."""
         self._api: Any = start_openni2()
         self._closed = False
+        self._at_start = True
         is_file = argument.lower().endswith(".oni")
         if is_file and not Path(argument).is_file():
             raise SourceError(f"no file {argument}")
         if not is_file:
             _require_device(self._api, argument)
         try:
-            self._device = self._api.Device(argument.encode() if argument else None)
+            self._argument = argument
             self._open_streams(is_file)
             self._info = self._describe(f"openni2:{argument}", is_file)
         except self._api.OpenNIError as error:
-            raise SourceError(f"OpenNI2 cannot open '{argument or 'the first device'}': {_line(error)}") from None
+            hint = "the file is cut off or no .oni recording" if is_file else "run 'teleop doctor'"
+            raise SourceError(
+                f"OpenNI2 cannot open '{argument or 'the first device'}': {_line(error)}; {hint}"
+            ) from None
 
     @property
     def info(self) -> SourceInfo:
@@ -47,8 +51,11 @@ class OpenNI2Source:
     def frames(self, from_s: float = 0.0) -> Iterator[DepthFrame]:
         """Frames stamped by the device. Raises SourceError when none comes for two seconds."""
         try:
-            if not self._info.live:
-                self._device.playback.seek(self._depth, 0)
+            if not (self._info.live or self._at_start):
+                # Opened anew: libOpenNI2 2.2 may never return from a seek.
+                self._close_streams()
+                self._open_streams(is_file=True)
+            self._at_start = False
             yield from increasing(self._read(from_s))
         except self._api.OpenNIError as error:
             raise SourceError(f"{self._info.uri}: {_line(error)}") from None
@@ -57,13 +64,18 @@ class OpenNI2Source:
         """Stop the streams; safe to call twice."""
         if not self._closed:
             self._closed = True
-            for stream in (self._depth, self._color):
-                if stream is not None:
-                    stream.close()
-            self._device.close()
+            self._close_streams()
+
+    def _close_streams(self) -> None:
+        for stream in (self._depth, self._color):
+            if stream is not None:
+                stream.close()
+        self._device.close()
 
     def _open_streams(self, is_file: bool) -> None:
         api = self._api
+        self._at_start = True
+        self._device = api.Device(self._argument.encode() if self._argument else None)
         self._depth = self._device.create_depth_stream()
         if self._depth is None:
             raise SourceError("the OpenNI2 device has no depth sensor; choose another")
