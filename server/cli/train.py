@@ -12,7 +12,7 @@ def train(
     output: Annotated[Path, typer.Option(help="Model file; CARD.md is written beside it.")] = Path("body.npz"),
     frames: Annotated[int, typer.Option(min=200, max=1_000_000, help="Rendered training frames.")] = 24000,
     trees: Annotated[int, typer.Option(min=1, max=16, help="Trees of the forest.")] = 3,
-    candidates: Annotated[int, typer.Option(min=10, max=10000, help="Features tried at a node.")] = 300,
+    candidates: Annotated[int, typer.Option(min=10, max=10000, help="Features tried at a node.")] = 150,
     seed: Annotated[int, typer.Option(min=0, help="Seed of every draw.")] = 2011,
     work: Annotated[Path, typer.Option(help="Folder of rendered frames; a second run goes on from it.")] = Path(
         "training-frames"

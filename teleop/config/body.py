@@ -88,8 +88,8 @@ class SkeletonConfig(Section):
 class PersonConfig(Section):
     """Deciding whether a surface is a person."""
 
-    acquire: float = Field(0.5, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
-    keep: float = Field(0.15, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
+    acquire: float = Field(0.3, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
+    keep: float = Field(0.08, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
 
 
 class FilterConfig(Section):

@@ -26,8 +26,8 @@ class BuildSpec:
     slots: votes a leaf keeps. balance: see draw_pixels."""
 
     trees: int = 3
-    pixels: int = 300
-    leaf_pixels: int = 600
+    pixels: int = 200
+    leaf_pixels: int = 400
     slots: int = 8
     balance: float = 0.5
     tree: TreeSpec = field(default_factory=TreeSpec)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,9 +11,10 @@ from typing import Final
 from teleop.body.model import BodyModel, save_model
 from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
+from teleop.people.sampling import RenderedFrame, SampleSpec, sample_frame
 from teleop.training.build import BuildSpec, Progress, build_model
-from teleop.training.dataset import Images, load_images, render_dataset
-from teleop.training.fitting import best_errors_m, fit_model, propose_all, walk_frames
+from teleop.training.dataset import HEIGHT, WIDTH, Images, load_images, render_dataset
+from teleop.training.fitting import best_errors_m, fit_model, fit_person, propose_all, walk_frames
 
 MAX_BYTES: Final = 20_000_000
 PADDING_M: Final = 0.5
@@ -21,13 +23,23 @@ PADDING_M: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """frames: training frames. validation: frames the fit uses; as many again are scored. seed: of all draws."""
+    """frames: training frames. validation: frames the fit uses; as many again are scored. rooms: frames with a
+    room, and as many without, that teach what is a person. seed: of all draws."""
 
     frames: int = 24000
     validation: int = 300
+    rooms: int = 400
     seed: int = 2011
     workers: int = 2
     build: BuildSpec = field(default_factory=BuildSpec)
+
+
+def person_frames(count: int) -> Iterator[RenderedFrame]:
+    """People of the training split in rooms, then as many without a room; seeds far from those of the trees."""
+    for first, room in ((10_000_000, True), (11_000_000, False)):
+        for n in range(count):
+            spec = SampleSpec(split="train", width=WIDTH, height=HEIGHT, room=room, mirrored=bool(n % 2))
+            yield sample_frame(first + n, spec)
 
 
 def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) -> BodyModel:
@@ -44,6 +56,7 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
     images = load_images(work, "validation", scored)
     config = BodyConfig()
     model = fit_model(model, images, recipe.validation, config)
+    model = fit_person(model, person_frames(recipe.rooms), config)
     stamp = datetime.now(UTC).strftime("%Y-%m-%d")
     figures = _figures(model, images, recipe.validation, config)
     model = replace(model, meta={**model.meta, "date": stamp, **figures})
@@ -92,6 +105,7 @@ def card(model: BodyModel, recipe: Recipe, output: Path) -> str:
             f"part distribution and offsets to the {b.slots} most certain joints, from {b.leaf_pixels} pixels a frame",
         ),
         ("fitted", f"bandwidth and reference weight per joint, on {recipe.validation} validation frames"),
+        ("person or not", f"logistic regression, {2 * recipe.rooms} training frames, half of them in furnished rooms"),
     )
     near, median_mm = 100 * model.meta["joints_within_10cm"], 1000 * model.meta["median_error_m"]
     return "\n".join(

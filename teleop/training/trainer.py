@@ -31,11 +31,11 @@ class TreeSpec:
     thresholds. sample: pixels that choose a node's split. min_leaf: fewest pixels in a leaf."""
 
     depth: int = 20
-    candidates: int = 300
+    candidates: int = 150
     offset_m: float = 0.45
     threshold_m: float = 0.4
-    sample: int = 5000
-    min_leaf: int = 15
+    sample: int = 4000
+    min_leaf: int = 38
     min_gain: float = 0.005
 
 
