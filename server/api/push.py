@@ -45,4 +45,5 @@ async def _session(socket: WebSocket, engine: Engine) -> None:
             source.feed(frame)
             await socket.send_text(encode_ack(frame.seq))
     finally:
+        source.close()
         await asyncio.to_thread(engine.close_session, session.id)

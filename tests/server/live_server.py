@@ -56,7 +56,9 @@ def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engin
     write_walk(bundled / "walk.mcap")
     settings = Settings.model_validate(settings_given)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events)
-    engine = Engine(settings, tracker(settings), World(settings.robot), hub)
+    ready = tracker(settings)
+    ready.warm_up(frames()[0].camera)  # compiling takes longer than a client waits
+    engine = Engine(settings, ready, World(settings.robot), hub)
     engine.start()
     library = Library(folder / "own", bundled, settings.upload.recording_mb * 1_000_000)
     with socket.socket() as listener:
