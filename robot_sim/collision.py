@@ -36,8 +36,13 @@ class Contact:
 class CollisionWorld:
     """An arm and named bodies. Distances are PyBullet's between collision shapes."""
 
-    def __init__(self, urdf: str) -> None:
-        """Load the arm, its base at the world's origin. Raises RobotError when PyBullet refuses the URDF."""
+    def __init__(self, urdf: str, drawn: bool = False) -> None:
+        """Load the arm, its base at the world's origin.
+
+        drawn: bodies show up in ``picture``; meshing them for that takes most of the time of adding one.
+        Raises RobotError when PyBullet refuses the URDF.
+        """
+        self._visual = -1
         self._client = pybullet.connect(pybullet.DIRECT)
         if self._client < 0:
             raise RobotError("PyBullet gave no physics client; close other simulations and try again")
@@ -57,6 +62,11 @@ class CollisionWorld:
             self._joints[info[1].decode()] = i
         self._index = {name: i for i, name in self._links.items()}
         self._bodies: dict[str, list[int]] = {}
+        if not drawn:
+            speck = [1e-4] * 3
+            self._visual = pybullet.createVisualShape(
+                pybullet.GEOM_BOX, halfExtents=speck, physicsClientId=self._client
+            )
 
     def __enter__(self) -> Self:
         return self
@@ -110,11 +120,17 @@ class CollisionWorld:
         part = pybullet.createMultiBody(
             baseMass=0.0,
             baseCollisionShapeIndex=shape,
+            baseVisualShapeIndex=self._visual,
             basePosition=[float(v) for v in T[:3, 3]],
             baseOrientation=to_quaternion(T),
             physicsClientId=self._client,
         )
         self._bodies.setdefault(name, []).append(part)
+
+    def paint(self, name: str, rgba: Sequence[float]) -> None:
+        """Colour of a body in pictures."""
+        for part in self._bodies[name]:
+            pybullet.changeVisualShape(part, -1, rgbaColor=list(rgba), physicsClientId=self._client)
 
     def remove_body(self, name: str) -> None:
         """Take a body out."""

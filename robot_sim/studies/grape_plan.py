@@ -121,7 +121,7 @@ def _nearest(arm: SphericalWristArm, T: FloatArray, q: FloatArray) -> FloatArray
 
 def _joint_way(arm: SphericalWristArm, points: FloatArray, yaws: FloatArray, q: FloatArray) -> FloatArray | None:
     """Joint values (K, 6) of level poses along key points, each nearest to the last; None when one has no solution."""
-    out = []
+    out: list[FloatArray] = []
     for p, yaw in zip(points, yaws, strict=True):
         nearest = _nearest(arm, level_pose(p, float(yaw)), q)
         if nearest is None or (out and np.abs(nearest - q).max() > 1.2):

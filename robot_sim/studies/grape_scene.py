@@ -22,16 +22,15 @@ class Bunch:
 
     @property
     def volume(self) -> Cylinder:
-        """Smallest upright cylinder about the peduncle's line that holds all berries (the source's collision volume)."""
+        """Smallest upright cylinder about the peduncle's line with all berries in it (the source's volume)."""
         away = np.hypot(*(self.berries_m[:, :2] - self.top_m[:2]).T) + self.radii_m
         low = float((self.berries_m[:, 2] - self.radii_m).min())
         high = float((self.berries_m[:, 2] + self.radii_m).max())
         return upright_cylinder((self.top_m[0], self.top_m[1], (low + high) / 2), float(away.max()), high - low)
 
-    @property
-    def centroid_m(self) -> FloatArray:
-        """Mean of the berries' centres (3,)."""
-        return np.asarray(self.berries_m.mean(axis=0))
+    def stem(self, radius_m: float) -> Cylinder:
+        """The bare peduncle from the bunch to the cane."""
+        return upright_cylinder(self.top_m + np.array([0.0, 0.0, self.peduncle_m / 2]), radius_m, self.peduncle_m)
 
     def moved(self, by_m: FloatArray) -> Bunch:
         """The bunch shifted by (3,) m."""

@@ -26,6 +26,8 @@ SELF_PAIRS = tuple(
 )
 HARMFUL = ("palm", "finger_left", "finger_right", "blade_left", "blade_right")
 MOST_PLANS = 8
+LEAST_CLEARANCE_M = -0.02
+"""Approaches whose control spheres overlap more than this are not worth planning."""
 LEAST_TRAY_RAD = math.radians(20.0)
 
 
@@ -116,12 +118,14 @@ class PickWorld:
 
 
 def find_plan(at: PickWorld, seen: GrapeScene, height_m: float | None = None) -> tuple[PickPlan | None, str, int]:
-    """The first approach, best clearance first, whose whole pick is free in the seen scene: (plan, reason, tries)."""
+    """The first approach, best clearance first, whose whole pick is free in the seen scene.
+
+    Returns the plan or None, the last reason against one, and how many plans were checked with the whole arm.
+    """
     names = at.add_seen(seen)
-    options = approaches(seen, at.arm_config, at.study, height_m)
-    reason, tries = "path.no_room", 0
-    for option in options[: 4 * MOST_PLANS]:
-        if tries >= MOST_PLANS or option.clearance_m < -0.02:
+    reason, tries, found = "path.no_room", 0, None
+    for option in approaches(seen, at.arm_config, at.study, height_m):
+        if tries == MOST_PLANS or option.clearance_m < LEAST_CLEARANCE_M:
             break
         plan = plan_pick(seen, option, at.arm, at.arm_config, at.study, at.path_field, at.q_start)
         if isinstance(plan, str):
@@ -130,17 +134,12 @@ def find_plan(at: PickWorld, seen: GrapeScene, height_m: float | None = None) ->
         tries += 1
         hits = _seen_hits(at, plan, names)
         if not hits:
+            found = plan
             break
         reason = f"arm meets {hits[0].body.removeprefix('seen_')} ({hits[0].link})"
-    else:
-        plan = reason
-    if not options or isinstance(plan, str) or (tries and reason and hits):
-        plan_found = None
-    else:
-        plan_found = plan
-    for n in names:
-        at.world.remove_body(n)
-    return plan_found, reason, tries
+    for name in names:
+        at.world.remove_body(name)
+    return found, reason, tries
 
 
 def _seen_hits(at: PickWorld, plan: PickPlan, names: tuple[str, ...]) -> list[Contact]:
@@ -148,11 +147,9 @@ def _seen_hits(at: PickWorld, plan: PickPlan, names: tuple[str, ...]) -> list[Co
     a = plan.approach
     tool = a.tool()
     hits = at.sweep(plan.out_q, tool, names) or at.sweep(plan.pick_q, tool, names)
-    rest = [n for n in names if n != f"seen{a.bunch}"]
-    held = tool_values(2 * at.study.stem_radius_m, math.radians(at.arm_config.tray_deg) * 0.6, 0.0)
-    return hits or at.sweep(
-        plan.basket_q, held, [n for n in rest if not n.startswith("seen0") and not n.startswith("seen1")]
-    )
+    obstacles = [n for n in names if not n.startswith(("seen0", "seen1"))]
+    held = tool_values(2 * at.study.stem_radius_m, 0.6 * math.radians(at.arm_config.tray_deg), 0.0)
+    return hits or at.sweep(plan.basket_q, held, obstacles)
 
 
 def run_pick(

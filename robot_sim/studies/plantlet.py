@@ -176,10 +176,10 @@ def run_plantlet_study(
     progress("compensation", 2, 5)
     report.heading("Calibration and compensation")
     report.text(
-        f"{sc.calibration_poses} random poses are measured with a gauge ({sc.gauge_m * MM:.2f} mm noise); zeros, lengths "
-        f"and backlash are fitted by least squares: residual {c.rms_before_m * MM:.3f} mm before, "
-        f"{c.rms_after_m * MM:.3f} mm after (what remains is the noise). Commands are then solved on the fitted arm, with "
-        "the backlash of the coming direction, and the best combination of whole encoder steps is sent."
+        f"{sc.calibration_poses} random poses are measured with a gauge ({sc.gauge_m * MM:.2f} mm noise); zeros, "
+        f"lengths and backlash are fitted by least squares: residual {c.rms_before_m * MM:.3f} mm before, "
+        f"{c.rms_after_m * MM:.3f} mm after (what remains is the noise). Commands are then solved on the fitted arm, "
+        "with the backlash of the coming direction, and the best combination of whole encoder steps is sent."
     )
     report.table(
         end_point_table(
