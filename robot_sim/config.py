@@ -115,12 +115,6 @@ class UpperBodyConfig(RobotSection):
         default=1.20, ge=0.8, le=2.0, description="shoulders over the floor, lift down [m]"
     )
     home_lift_m: float = Field(default=0.10, ge=0.0, le=1.0, description="lift at the start [m]")
-    spray_disc_rad: float = Field(
-        default=pi, ge=-3.2, le=3.2, description="disc for spraying [rad]; a half turn brings the rear arm to the crop"
-    )
-    pick_disc_rad: float = Field(
-        default=0.0, ge=-3.2, le=3.2, description="disc for picking [rad]; the chest at the crop"
-    )
     lift: AxisLimits = Field(
         default_factory=lambda: AxisLimits(lower=0.0, upper=0.40, speed=0.12, acceleration=0.5, effort=2500.0),
         description="self-locking lift (lead screw) [m]",
