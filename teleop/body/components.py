@@ -148,22 +148,26 @@ def grow_mask(
     height, width = depth_mm.shape
     rows, columns = chosen.shape
     mask = np.zeros((height, width), np.bool_)
-    for v in range(height):
-        r = v // step
-        for u in range(width):
-            d = depth_mm[v, u]
-            if d == 0:
+    limit = np.empty((rows, columns), np.float32)
+    for r in range(rows):
+        for c in range(columns):
+            z = grid_mm[r, c] * np.float32(1e-3)
+            limit[r, c] = jump_m * 1000.0 * max(np.float32(1.0), z * z * np.float32(0.25))
+    for r in range(rows):
+        for c in range(columns):
+            near = False
+            for rr in range(max(r - 1, 0), min(r + 2, rows)):
+                for cc in range(max(c - 1, 0), min(c + 2, columns)):
+                    near |= chosen[rr, cc]
+            if not near:
                 continue
-            c = u // step
-            hit = False
-            for dr in range(-1, 2):
-                for dc in range(-1, 2):
-                    rr, cc = r + dr, c + dc
-                    if 0 <= rr < rows and 0 <= cc < columns and chosen[rr, cc]:
-                        z = grid_mm[rr, cc] * 1e-3
-                        if abs(d * 1e-3 - z) < jump_m * max(1.0, z * z * 0.25):
-                            hit = True
-            if hit:
-                ray = floor_row[0] * u + floor_row[1] * v + floor_row[2]
-                mask[v, u] = d * 1e-3 * ray + floor_row[3] > 0
+            for v in range(r * step, min(r * step + step, height)):
+                for u in range(c * step, min(c * step + step, width)):
+                    d = np.int32(depth_mm[v, u])
+                    if d == 0 or d * 1e-3 * (floor_row[0] * u + floor_row[1] * v + floor_row[2]) + floor_row[3] <= 0:
+                        continue
+                    for rr in range(max(r - 1, 0), min(r + 2, rows)):
+                        for cc in range(max(c - 1, 0), min(c + 2, columns)):
+                            if chosen[rr, cc] and abs(d - np.int32(grid_mm[rr, cc])) < limit[rr, cc]:
+                                mask[v, u] = True
     return mask

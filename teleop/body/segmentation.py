@@ -113,21 +113,16 @@ def limbs_of(scene: Scene, main: int, config: SegmentationConfig) -> npt.NDArray
     is small, or stands in line with it (crossed arms part the chest from the hips).
     """
     s = scene.surfaces
-    chosen = np.zeros(len(s.cells), np.bool_)
-    chosen[main] = True
     touching = adjacency(scene.labels, main, len(s.cells), 4)
-    for k in np.flatnonzero(touching):
-        small = s.area_m2[k] < 0.5 * s.area_m2[main] and s.cells[k] >= 3
-        nearer = s.centre_m[main, 2] - s.centre_m[k, 2]
-        aligned = abs(s.centre_m[k, 0] - s.centre_m[main, 0]) < 0.3 and abs(nearer) < 0.3
-        bound = touching[k] >= 0.05 * s.cells[k]
-        low = np.minimum(s.low_m[main], s.low_m[k])
-        high = np.maximum(s.high_m[main], s.high_m[k])
-        size = high - low
-        sized = size[0] <= config.max_width_m and size[1] <= config.max_height_m and size[2] <= config.max_thickness_m
-        if (small or aligned) and bound and sized and -0.3 < nearer < 0.9:
-            chosen[k] = True
-    return chosen
+    nearer = s.centre_m[main, 2] - s.centre_m[:, 2]
+    small = (s.area_m2 < 0.5 * s.area_m2[main]) & (s.cells >= 3)
+    aligned = (np.abs(s.centre_m[:, 0] - s.centre_m[main, 0]) < 0.3) & (np.abs(nearer) < 0.3)
+    bound = (touching > 0) & (touching >= 0.05 * s.cells)
+    size = np.maximum(s.high_m[main], s.high_m) - np.minimum(s.low_m[main], s.low_m)
+    limits = np.array([config.max_width_m, config.max_height_m, config.max_thickness_m])
+    chosen = bound & (small | aligned) & (size <= limits).all(axis=1) & (nearer > -0.3) & (nearer < 0.9)
+    chosen[main] = True
+    return np.asarray(chosen)
 
 
 def candidate(frame: DepthFrame, scene: Scene, label: int, config: SegmentationConfig) -> Candidate | None:

@@ -56,6 +56,7 @@ class BodyTracker:
         self.model = model
         self.config = config
         self._weight_of = vote_weights(config.proposals)
+        self._max_offset_m = model.max_offset_m
 
     def initial_state(self) -> TrackerState:
         """The state before the first frame."""
@@ -103,7 +104,7 @@ class BodyTracker:
         """Joints of one candidate from this frame alone, helped by the last joints where given."""
         model, camera = self.model, frame.camera
         step = working_step(camera, self.config.forest.working_focal_px)
-        image = pad_image(frame.depth_mm, found.mask, found.box, camera, model.max_offset_m, step)
+        image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
         stride = stride_for(found.area_px // step**2, self.config.forest.max_pixels)
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
