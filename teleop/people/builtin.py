@@ -97,14 +97,11 @@ def _skeleton(h: float) -> tuple[Floats, Floats]:
         forward = np.array([0.0, 0.0, -1.0])
         for k, finger in enumerate(FINGERS):
             if finger == "thumb":
-                base, d, length = (
-                    wrist + 0.012 * h * arm + 0.016 * h * forward,
-                    unit(0.8 * arm + 0.8 * forward),
-                    0.055 * h,
-                )
+                base, d = wrist + 0.012 * h * arm + 0.014 * h * forward, unit(arm + 0.7 * forward)
+                length = 0.042 * h
             else:
-                base = wrist + 0.052 * h * arm + (0.0175 - 0.0115 * (k - 1)) * h * forward
-                d, length = unit(arm + (0.08 - 0.055 * (k - 1)) * forward), (0.048, 0.054, 0.050, 0.040)[k - 1] * h
+                base = wrist + 0.046 * h * arm + (0.0150 - 0.0100 * (k - 1)) * h * forward
+                d, length = unit(arm + (0.08 - 0.055 * (k - 1)) * forward), (0.041, 0.046, 0.043, 0.034)[k - 1] * h
             for segment, part in enumerate((0.0, 0.45, 0.75)):
                 heads[BONE[f"{finger}{segment + 1}_{side}"]] = base + part * length * d
             tips[i, k] = base + length * d
