@@ -11,5 +11,6 @@ export default defineConfig({
     chunkSizeWarningLimit: 900,
   },
   // `npm run dev` shows the sources against a running `teleop serve`.
-  server: { proxy: { "/api": { target: server, ws: true } } },
+  // The server takes commands from its own origin only, so the proxy speaks in its name.
+  server: { proxy: { "/api": { target: server, ws: true, headers: { origin: server } } } },
 });

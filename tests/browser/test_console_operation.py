@@ -62,6 +62,36 @@ def test_robot_is_drawn_within_the_triangle_budget(page: Page) -> None:
     assert 1_000 < int((cost.text_content() or "").split()[0]) <= 15_000
 
 
+def is_painted(page: Page, canvas: str) -> bool:
+    """Whether a canvas shows a picture with some contrast."""
+    return bool(
+        page.locator(canvas).evaluate(
+            """canvas => {
+              const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+              let low = 255, high = 0;
+              for (let i = 0; i < data.length; i += 40) {
+                low = Math.min(low, data[i]);
+                high = Math.max(high, data[i]);
+              }
+              return high - low > 60;
+            }"""
+        )
+    )
+
+
+def test_depth_colour_and_head_pictures_arrive(page: Page) -> None:
+    wait_for("the depth picture", lambda: is_painted(page, ".picture"))
+    page.get_by_role("button", name="Off").click()
+    assert not is_painted(page, ".picture")
+    page.keyboard.press("v")
+    expect(page.get_by_role("button", name="Depth")).to_have_attribute("aria-pressed", "true")
+    page.get_by_role("button", name="Colour").click()
+    wait_for("the colour picture", lambda: is_painted(page, ".picture"))
+    assert not is_painted(page, ".head-picture")
+    page.get_by_role("button", name="Head camera").click()
+    wait_for("the head camera's picture", lambda: is_painted(page, ".head-picture"))
+
+
 def test_overlay_is_acknowledged(page: Page, server: ConsoleServer) -> None:
     total = wait_for("a measured time from frame to painted overlay", lambda: server.state()["latency_ms"].get("total"))
     assert total["p50"] > 0

@@ -9,7 +9,7 @@ import { act, emergencyStop, noticeBoard, notify } from "./act";
 import { api } from "./api";
 import { Connection, type Link } from "./connection";
 import { h } from "./dom";
-import { setLanguage, titled, translated } from "./i18n";
+import { setLanguage, t, titled, translated } from "./i18n";
 import { icon, setIcon } from "./icons";
 import { listen } from "./keys";
 import { Painter } from "./painter";
@@ -30,6 +30,7 @@ import { ToolsPanel } from "./panels/tools";
 import { prefs, savePrefs } from "./prefs";
 import { Sounds } from "./sounds";
 import type { ServerMessage, State } from "./wire";
+import { WIRE_VERSION } from "./words";
 
 const sounds = new Sounds();
 const recordings = new RecordingsSheet();
@@ -66,6 +67,7 @@ const painter = new Painter(
 function receive(message: ServerMessage): void {
   switch (message.type) {
     case "hello":
+      if (message.version !== WIRE_VERSION) notify(t("notice.version"));
       for (const panel of panels) panel.hello?.(message);
       break;
     case "state":

@@ -1,5 +1,8 @@
 /** Words used across panels beside those of the wire. Image kinds as in server/images_wire.py. */
 
+/** The server's WIRE_VERSION that this console was built for. */
+export const WIRE_VERSION = 1;
+
 export type Side = "right" | "left";
 
 export const SIDES: readonly Side[] = ["right", "left"];

@@ -9,6 +9,7 @@ export const en = {
   "link.lost": "Disconnected",
   "gone.title": "No connection to the server",
   "gone.text": "What you see is old and commands do not reach the robot. Trying again by itself.",
+  "notice.version": "The server was updated: reload this page",
   "notice.refused": "Refused: {detail}",
 
   "mode.no_person": "Nobody here",

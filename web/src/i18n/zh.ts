@@ -10,6 +10,7 @@ export const zh: Record<keyof typeof en, string> = {
   "link.lost": "已断开",
   "gone.title": "与服务器失去连接",
   "gone.text": "画面不是最新的，指令无法到达机器人。正在自动重连。",
+  "notice.version": "服务器已更新：请刷新页面",
   "notice.refused": "被拒绝：{detail}",
   "mode.no_person": "无人",
   "mode.seen": "待接管",

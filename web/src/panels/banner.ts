@@ -92,6 +92,10 @@ export class Banner implements Panel {
     void act(this.engaged ? api.disengage() : api.engage());
   }
 
+  private allowReset(allowed: boolean): void {
+    if (this.reset.disabled === allowed) this.reset.disabled = !allowed;
+  }
+
   showLink(link: Link): void {
     this.link.setAttribute("data-link", link);
     translated(this.link, `link.${link}`);
@@ -114,7 +118,7 @@ export class Banner implements Panel {
     // A tiny negative speed must not flicker between 0.00 and -0.00.
     this.drive.set(`${tidy(drive_m_s)} m/s  ${tidy((turn_rad_s * 180) / Math.PI, 0)}°/s`);
     this.engaged = state.engaged;
-    if (this.reset.disabled === estop) this.reset.disabled = !estop;
+    this.allowReset(estop || state.mode === "stopped");
     this.engageText.set(t(state.engaged ? "button.disengage" : "button.engage"));
   }
 }

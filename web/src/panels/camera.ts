@@ -88,12 +88,11 @@ export class CameraPanel implements Panel {
 
   /** Shows a picture; one that arrives while the last is still being decoded is left out. */
   async image(kind: number, jpeg: Blob): Promise<void> {
-    if (this.decoding.has(kind)) return;
-    const wanted = kind === DEPTH_IMAGE ? "depth" : kind === COLOR_IMAGE ? "color" : null;
-    if (kind !== HEAD_IMAGE && wanted !== prefs.image) return;
+    if (this.decoding.has(kind) || !wanted(kind)) return;
     this.decoding.add(kind);
     try {
       const bitmap = await createImageBitmap(jpeg);
+      if (!wanted(kind)) return; // another picture was chosen meanwhile
       const canvas = kind === HEAD_IMAGE ? this.head : this.picture;
       if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
         canvas.width = bitmap.width;
@@ -182,6 +181,12 @@ export class CameraPanel implements Panel {
     g.setLineDash([]);
     g.globalAlpha = 1;
   }
+}
+
+/** Whether the operator looks at this kind of picture. */
+function wanted(kind: number): boolean {
+  if (kind === HEAD_IMAGE) return prefs.head;
+  return (kind === DEPTH_IMAGE && prefs.image === "depth") || (kind === COLOR_IMAGE && prefs.image === "color");
 }
 
 function opacity(confidence: number): number {
