@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from robot_sim.commands import ArmName, ArmTarget, RobotCommand
+from teleop.angles import arm_angles
 from teleop.config.intent import DriveConfig, IntentConfig
 from teleop.inputs import RobotRequest
 from teleop.intent_types import Event, Hands, Intent, Mode, Side, Zone
@@ -154,17 +155,20 @@ def _work(
     task: Mode, hands: Hands, moment: Moment, state: KernelState, command: RobotCommand, config: IntentConfig
 ) -> tuple[KernelState, RobotCommand, tuple[Reason, ...]]:
     """One frame of a task: arms and tools, or the last set-points for a moment without the operator."""
-    if state.disc_wait_s > 0:
-        return state, command, ()
     why: list[Reason] = [Reason.ARM_LOCKED]
     if moment.body is None:
         why.append(Reason.TRACKING_LOST)
     elif moment.dt_s > 0:
-        arms, arm_reasons = _arms(task, moment.body, moment.dt_s, state.arms, config)
-        left_handed = config.mapping.handedness == "left"
-        tools, tool_reasons = step_tools(state.tools, task, _swapped(hands) if left_handed else hands)
-        state = replace(state, arms=arms, tools=tools)
-        why += (*arm_reasons, *tool_reasons)
+        side = _operator_side("right", config)
+        tools, tool_reasons = step_tools(
+            state.tools, task, hands if side == "right" else _swapped(hands), arm_hangs(moment.body, side, config)
+        )
+        state = replace(state, tools=tools)
+        why += tool_reasons
+        if state.disc_wait_s <= 0:
+            arms, arm_reasons = _arms(task, moment.body, moment.dt_s, state.arms, config)
+            state = replace(state, arms=arms)
+            why += arm_reasons
     targets = {arm: state.arms[arm].target for _, arm in DRIVEN[task]}
     tools = state.tools
     command = replace(
@@ -185,6 +189,22 @@ def _swapped(hands: Hands) -> Hands:
     return Hands(hands.left, hands.right, hands.left_confidence, hands.right_confidence)
 
 
+def _operator_side(role: Side, config: IntentConfig) -> Side:
+    """The operator's arm in that role: the other one for left-handed operators."""
+    if config.mapping.handedness == "right":
+        return role
+    return "left" if role == "right" else "right"
+
+
+def arm_hangs(body: Skeleton, side: Side, config: IntentConfig) -> bool:
+    """Whether an arm hangs straight down; one that is not known counts as hanging."""
+    angles = arm_angles(body, side, config.angles)
+    if angles.theta3_deg is None:
+        return True
+    raised_deg = max(angles.theta1_deg or 0.0, angles.theta2_deg or 0.0)
+    return angles.theta3_deg >= config.mapping.hanging_elbow_deg and raised_deg <= config.mapping.hanging_deg
+
+
 def _arms(
     task: Mode, body: Skeleton, dt_s: float, memories: dict[ArmName, ArmMemory], config: IntentConfig
 ) -> tuple[dict[ArmName, ArmMemory], tuple[Reason, ...]]:
@@ -192,9 +212,8 @@ def _arms(
     right, left = body.joint("shoulder_right"), body.joint("shoulder_left")
     facing = right is None or left is None or right[0] - left[0] >= config.mapping.min_facing_m
     arms, reasons = dict(memories), list[Reason]()
-    other: dict[Side, Side] = {"right": "left", "left": "right"}
     for role, arm in DRIVEN[task]:
-        side = role if config.mapping.handedness == "right" else other[role]
+        side = _operator_side(role, config)
         wanted = Measured(reasons=(Reason.NOT_FACING,))
         if facing:
             wanted = measure(body, side, config.mapping, config.angles)

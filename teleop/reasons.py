@@ -21,6 +21,7 @@ class Reason(StrEnum):
     GESTURE = "hold.gesture"
     HAND_UNKNOWN = "hold.hand_unknown"
     HAND_NOT_CHANGED = "hold.hand_not_changed"
+    HAND_HANGING = "hold.hand_hanging"
     ARM_LOCKED = "hold.arm_locked"
     DISC_TURNING = "hold.disc_turning"
     NOT_ENGAGED = "hold.not_engaged"

@@ -34,8 +34,13 @@ def rest(state: ToolState) -> ToolState:
     return ToolState(gripper_open=state.gripper_open, liquid=state.liquid)
 
 
-def step_tools(state: ToolState, task: Mode, hands: Hands) -> tuple[ToolState, tuple[Reason, ...]]:
-    """One frame in a task, with debounced hands. An unknown hand opens nothing and starts nothing."""
+def step_tools(
+    state: ToolState, task: Mode, hands: Hands, hanging: bool = False
+) -> tuple[ToolState, tuple[Reason, ...]]:
+    """One frame in a task, with debounced hands. An unknown hand opens nothing and starts nothing.
+
+    hanging: the arm of the spray hand hangs down; a hand that relaxes there starts nothing either.
+    """
     right_fell = state.right is Hand.OPEN and hands.right is Hand.FIST
     right_rose = state.right is Hand.FIST and hands.right is Hand.OPEN
     left_fell = state.left is Hand.OPEN and hands.left is Hand.FIST
@@ -57,7 +62,9 @@ def step_tools(state: ToolState, task: Mode, hands: Hands) -> tuple[ToolState, t
             after = replace(after, gripper_open=hands.right is Hand.OPEN)
         closed = after.left_changed and hands.left is Hand.FIST
         return replace(after, cutter_closed=closed, spray_on=False), tuple(reasons)
-    spray_on = hands.right is Hand.OPEN and (state.spray_on or right_rose)
+    if right_rose and hanging:
+        reasons.append(Reason.HAND_HANGING)
+    spray_on = hands.right is Hand.OPEN and (state.spray_on or (right_rose and not hanging))
     liquid = LIQUIDS[(LIQUIDS.index(state.liquid) + 1) % len(LIQUIDS)] if left_rose else state.liquid
     return replace(after, spray_on=spray_on, liquid=liquid, cutter_closed=False), tuple(reasons)
 

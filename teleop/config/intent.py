@@ -74,10 +74,10 @@ class TaskConfig(Section):
     )
     T2_hold_s: float = Field(default=4.0, ge=0.0, le=30.0, description="how long T2 must be exceeded [s]; source")
     margin_deg: float = Field(
-        default=1.5, ge=0.0, le=10.0, description="deviation beyond the threshold that is no evidence yet [deg]; ours"
+        default=2.5, ge=0.0, le=10.0, description="deviation beyond the threshold that is no evidence yet [deg]; ours"
     )
     evidence_deg_s: float = Field(
-        default=1.75,
+        default=0.9,
         ge=0.0,
         le=20.0,
         description="accumulated deviation that decides [deg s]; zero flips at 20 mm RMS noise",
@@ -136,6 +136,12 @@ class MappingConfig(Section):
         ge=-1.0,
         le=0.5,
         description="right shoulder at least this far right of the left one, else the arms hold [m]",
+    )
+    hanging_deg: float = Field(
+        default=25.0, ge=0.0, le=90.0, description="an upper arm nearer to straight down may be hanging [deg]; ours"
+    )
+    hanging_elbow_deg: float = Field(
+        default=150.0, ge=90.0, le=180.0, description="a straighter elbow than this, too: it hangs [deg]; ours"
     )
     ease_step_s: float = Field(
         default=0.3, ge=0.0, le=3.0, description="least time between shoulder steps while easing in [s]; 50 deg/s"

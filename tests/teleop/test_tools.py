@@ -48,6 +48,14 @@ def test_spray_starts_on_fist_to_open_only() -> None:
     assert [s.spray_on for s in states] == [False, False, True, False, False, False, True, False]
 
 
+def test_a_hand_that_relaxes_on_a_hanging_arm_starts_nothing() -> None:
+    state, _ = step_tools(ToolState(), Mode.SPRAYING, Hands(FIST, NONE), hanging=True)
+    state, reasons = step_tools(state, Mode.SPRAYING, Hands(OPEN, NONE), hanging=True)
+    assert not state.spray_on and Reason.HAND_HANGING in reasons
+    state, _ = step_tools(state, Mode.SPRAYING, Hands(OPEN, NONE), hanging=False)
+    assert not state.spray_on, "raising an open hand is no change"
+
+
 def test_left_hand_steps_the_liquids_in_a_ring() -> None:
     states = run(Mode.SPRAYING, [(NONE, OPEN)] + [(NONE, FIST), (NONE, OPEN)] * 3)
     assert [s.liquid for s in states[::2]] == [Liquid.WATER, Liquid.NUTRIENT, Liquid.PESTICIDE, Liquid.WATER]
