@@ -159,7 +159,8 @@ def _write_report(
         "The camera errs by a normal deviate whose mean absolute values are the source's (5.46 and 6.56 mm single, "
         f"6.34 and 7.87 mm overlapping; vertical: their mean). At the ready pose {sc.looks} independent looks are "
         "averaged, which the eye-in-hand camera allows as long as its errors are independent from look to look; the "
-        "rows with one look are without that assumption. The source's 86.05 % counts another thing (deviation within 10 mm)."
+        "rows with one look are without that assumption. The source's 86.05 % counts another thing (deviation within "
+        "10 mm)."
     )
     report.table(failure_table([*many, *single_look]))
     report.csv_only(trial_table(many, "trials_random", "Random trials one by one"))
