@@ -71,7 +71,7 @@ def assemble(
     scores, modes = proposals.scores, proposals.modes_m
     if config.enabled:
         with np.errstate(divide="ignore", invalid="ignore"):
-            unary = -np.log(scores / scores.max(axis=1, keepdims=True))
+            unary = -config.weight_power * np.log(scores / scores.max(axis=1, keepdims=True))
         if previous_m is not None:
             moved = np.linalg.norm(modes - previous_m[:, None, :], axis=2)
             unary = unary + np.where(np.isnan(moved), 0.0, np.minimum((moved / config.previous_scale_m) ** 2, 4.0))

@@ -60,7 +60,7 @@ class ProposalConfig(Section):
     """From votes to joint proposals (mean shift)."""
 
     max_points: int = Field(300, ge=20, le=5000, description="votes kept for a joint, the surest ones")
-    starts: int = Field(3, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
+    starts: int = Field(5, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
     iterations: int = Field(30, ge=1, le=500, description="most mean-shift steps from a start")
     tolerance_m: float = Field(0.0005, gt=0, le=0.02, description="a shorter shift ends the iteration [m]")
     spread_power: float = Field(
@@ -73,7 +73,10 @@ class SkeletonConfig(Section):
     """Repairs between proposals and skeleton."""
 
     enabled: bool = Field(True, description="use bone lengths and the last frame to choose among proposals")
-    min_confidence: float = Field(0.12, ge=0, le=1, description="a joint below this confidence is unknown")
+    min_confidence: float = Field(0.03, ge=0, le=1, description="a joint below this confidence is unknown")
+    weight_power: float = Field(
+        2.0, ge=0, le=10, description="how much the weight of a mode counts against bone lengths"
+    )
     bone_tolerance: float = Field(
         0.35, gt=0, le=2, description="relative error of a bone length that is still believed"
     )
