@@ -70,16 +70,32 @@ def _shade(
                 out[v, u, i] = light * (wa * rgb[a, i] + wb * rgb[b, i] + wc * rgb[c, i]) * s
 
 
-def _plane_colors(raster: Raster, camera: Camera, view: View, room: Room, out: Floats32) -> None:
-    mask = raster.face < -1
-    v, u = np.nonzero(mask)
-    p, z = -2 - raster.face[mask], raster.depth_m[mask].astype(np.float64)
-    k = camera_vector(camera)
-    c = np.stack([(u - k[2]) / k[0] * z, -(v - k[3]) / k[1] * z, z], axis=1)
-    x = (c - view.t_m) @ view.R
-    pattern = np.sin(9.0 * x[:, 0] + 1.3 * np.sin(5 * x[:, 2])) * np.sin(8.0 * x[:, 2] + 3.0 * x[:, 1])
-    texture = 1.0 + 0.35 * room.plane_texture[p] * pattern
-    out[mask] = (0.9 * texture)[:, None] * room.plane_rgb[p]
+@numba.njit(cache=True, nogil=True)
+def _shade_planes(
+    k: npt.NDArray[np.float64],
+    depth: Floats32,
+    face: Ints32,
+    R: npt.NDArray[np.float64],
+    t: npt.NDArray[np.float64],
+    rgb: npt.NDArray[np.float64],
+    strength: npt.NDArray[np.float64],
+    out: Floats32,
+) -> None:
+    height, width = depth.shape
+    for v in range(height):
+        for u in range(width):
+            p = -2 - face[v, u]
+            if p < 0:
+                continue
+            z = depth[v, u]
+            cx, cy, cz = (u - k[2]) / k[0] * z - t[0], -(v - k[3]) / k[1] * z - t[1], z - t[2]
+            x = R[0, 0] * cx + R[1, 0] * cy + R[2, 0] * cz
+            y = R[0, 1] * cx + R[1, 1] * cy + R[2, 1] * cz
+            w = R[0, 2] * cx + R[1, 2] * cy + R[2, 2] * cz
+            pattern = np.sin(9.0 * x + 1.3 * np.sin(5.0 * w)) * np.sin(8.0 * w + 3.0 * y)
+            light = 0.9 * (1.0 + 0.35 * strength[p] * pattern)
+            for i in range(3):
+                out[v, u, i] = light * rgb[p, i]
 
 
 def shade(
@@ -96,10 +112,11 @@ def shade(
 ) -> ColorImage:
     """Colour image (H, W, 3) uint8 RGB, registered to depth. points_m, normals, rgb (0..255): (V, 3) in camera axes."""
     out = np.full((*raster.depth_m.shape, 3), 90.0, np.float32)
+    k = camera_vector(camera)
     if room is not None:
-        _plane_colors(raster, camera, view, room, out)
+        _shade_planes(k, raster.depth_m, raster.face, view.R, view.t_m, room.plane_rgb, room.plane_texture, out)
     lamp = view.R @ unit(np.array(light.towards))
-    _shade(camera_vector(camera), raster.depth_m, raster.face, points_m, normals, faces, rgb, lamp, out)
+    _shade(k, raster.depth_m, raster.face, points_m, normals, faces, rgb, lamp, out)
     out *= np.array(light.rgb, np.float32) * np.float32(light.level)
     out += rng.standard_normal(out.shape, np.float32) * np.float32(2.0 * light.noise)
     smooth = np.asarray(cv2.GaussianBlur(out, (0, 0), 0.7), np.float32)

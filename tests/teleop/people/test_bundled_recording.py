@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from teleop.data import data_root
 from teleop.frames import pixels
 from teleop.joints import JOINT_INDEX
 from teleop.recording import McapSource
+from teleop.sources.virtual import open_virtual
 
 PATH = Path(__file__).parents[3] / "recordings" / "greenhouse_demo.mcap"
 
@@ -56,3 +58,16 @@ def test_the_person_is_where_the_truth_says(source, rows):
 
 def test_the_truth_names_twenty_joints(rows):
     assert all(set(row["joints"]) == set(JOINT_INDEX) for row in rows if row["joints"])
+
+
+@pytest.mark.data
+@pytest.mark.skipif(
+    data_root() is None or not (data_root() / "makehuman").is_dir(), reason="the MakeHuman files are not here"
+)
+def test_it_is_what_its_command_renders(source):
+    performance = open_virtual("makehuman,seed=1,size=320x240,fps=20").performance
+    for number in (100, 500):
+        recorded = next(iter(source.frames(number / 20)))
+        same = recorded.depth_mm == performance.take(number).frame.depth_mm
+        # Another processor may round a few pixels to the next disparity step.
+        assert same.mean() > 0.99
