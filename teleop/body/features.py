@@ -92,7 +92,7 @@ def depth_difference(
     """
     a = flat_mm[at + int(offsets[node, 1] * scale_y) * width + int(offsets[node, 0] * scale_x)]
     b = flat_mm[at + int(offsets[node, 3] * scale_y) * width + int(offsets[node, 2] * scale_x)]
-    return np.int32(a) - np.int32(b)
+    return int(a) - int(b)
 
 
 @nb.njit(cache=True, nogil=True)

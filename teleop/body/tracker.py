@@ -87,12 +87,13 @@ class BodyTracker:
         The one who was there is kept as long as it may be a person; else the likeliest person of all is taken.
         """
         best: tuple[Candidate, Single, bool] | None = None
-        known = state.cells is not None and state.centre_m is not None and self.config.filter.enabled
-        for label in rank(scene, state.cells if known else None, self.config.segmentation):
+        before = state.centre_m if self.config.filter.enabled else None
+        for label in rank(scene, state.cells if before is not None else None, self.config.segmentation):
             found = candidate(frame, scene, label, self.config.segmentation)
             if found is None:
                 continue
-            near = known and np.linalg.norm(found.centre_m - state.centre_m) <= self.config.scene_cut_m
+            moved_m = np.inf if before is None else float(np.linalg.norm(found.centre_m - before))
+            near = moved_m <= self.config.scene_cut_m
             single = self.estimate(frame, found, state.filter.joints_m if near else None)
             if near and single.person >= self.config.person.keep:
                 return found, single, False

@@ -51,6 +51,6 @@ def load_real(every: int = 1) -> list[RealFrame]:
             joints[JOINT_INDEX[joint]] = position
         for joint in truth["trusted"]:
             trusted[JOINT_INDEX[joint]] = True
-        frame = DepthFrame(round(float(time_s) * 1e9), depth, camera)
+        frame = DepthFrame(round(float(time_s) * 1e9), np.asarray(depth, np.uint16), camera)
         out.append(RealFrame(frame, joints, trusted, int(truth["subject"]), bool(truth["first"])))
     return out

@@ -13,7 +13,7 @@ from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
 from teleop.people.sampling import RenderedFrame, SampleSpec, sample_frame
 from teleop.training.build import BuildSpec, Progress, build_model
-from teleop.training.dataset import HEIGHT, WIDTH, Images, load_images, render_dataset
+from teleop.training.dataset import HEIGHT, WIDTH, Images, Split, load_images, render_dataset
 from teleop.training.fitting import best_errors_m, fit_model, fit_person, propose_all, walk_frames
 
 MAX_BYTES: Final = 20_000_000
@@ -48,7 +48,8 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
     Raises ModelError when the file would be larger than 20 MB, DataError when the people's data set is missing.
     """
     scored = 2 * recipe.validation
-    for split, count in (("validation", scored), ("train", recipe.frames)):
+    wanted: tuple[tuple[Split, int], ...] = (("validation", scored), ("train", recipe.frames))
+    for split, count in wanted:
         for done, total in render_dataset(work, split, count, PADDING_M, recipe.workers):
             progress(f"rendering {split}", done / total)
     model = build_model(load_images(work, "train", recipe.frames), recipe.build, recipe.seed, progress)

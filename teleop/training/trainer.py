@@ -214,8 +214,8 @@ def pixel_scales(images: Images, pixels: Pixels) -> tuple[npt.NDArray[np.float32
     """Pixels per 0.1 mm of offset (N,), across and down; across is negative for mirrored pixels."""
     frame = pixels.frame % len(images)
     unit = (images.focal_px[frame] * 1000.0 * OFFSET_UNIT_M).astype(np.float32)
-    down = unit / images.flat_mm[pixels.at].astype(np.float32)
-    return np.where(pixels.frame >= len(images), -down, down).astype(np.float32), down
+    down = (unit / images.flat_mm[pixels.at].astype(np.float32)).astype(np.float32)
+    return np.where(pixels.frame >= len(images), -down, down), down
 
 
 def grow_tree(images: Images, pixels: Pixels, spec: TreeSpec, seed: int) -> Iterator[tuple[int, Tree | None]]:
@@ -260,7 +260,8 @@ def grow_tree(images: Images, pixels: Pixels, spec: TreeSpec, seed: int) -> Iter
                 spec.min_gain,
             )
         else:
-            o, t, border = np.zeros((len(begin), 4), np.int16), np.zeros(len(begin)), np.full(len(begin), -1)
+            o, t = np.zeros((len(begin), 4), np.int16), np.zeros(len(begin), np.int32)
+            border = np.full(len(begin), -1)
         split = border >= 0
         first_child = nodes + 2 * (np.cumsum(split) - 1)
         offsets[-1][:], thresholds[-1][:] = o, np.where(split, t, np.iinfo(np.int16).max)
