@@ -58,8 +58,8 @@ def test_banner_and_robot_follow_the_recorded_person(page: Page, server: Console
 
 def test_robot_is_drawn_within_the_triangle_budget(page: Page) -> None:
     cost = page.locator(".scene-cost")
-    expect(cost).to_have_text(re.compile(r"\d+ triangles"), timeout=30_000)
-    assert 1_000 < int((cost.text_content() or "").split()[0]) <= 15_000
+    expect(cost).to_have_text(re.compile(r"^\d{4,} triangles"), timeout=60_000)  # the empty stage comes first
+    assert int((cost.text_content() or "").split()[0]) <= 15_000
 
 
 def is_painted(page: Page, canvas: str) -> bool:
@@ -81,14 +81,14 @@ def is_painted(page: Page, canvas: str) -> bool:
 
 def test_depth_colour_and_head_pictures_arrive(page: Page) -> None:
     wait_for("the depth picture", lambda: is_painted(page, ".picture"))
-    page.get_by_role("button", name="Off").click()
+    page.get_by_role("button", name="Off", exact=True).click()
     assert not is_painted(page, ".picture")
     page.keyboard.press("v")
-    expect(page.get_by_role("button", name="Depth")).to_have_attribute("aria-pressed", "true")
-    page.get_by_role("button", name="Colour").click()
+    expect(page.get_by_role("button", name="Depth", exact=True)).to_have_attribute("aria-pressed", "true")
+    page.get_by_role("button", name="Colour", exact=True).click()
     wait_for("the colour picture", lambda: is_painted(page, ".picture"))
     assert not is_painted(page, ".head-picture")
-    page.get_by_role("button", name="Head camera").click()
+    page.get_by_role("button", name="Head camera", exact=True).click()
     wait_for("the head camera's picture", lambda: is_painted(page, ".head-picture"))
 
 

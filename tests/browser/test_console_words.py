@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -34,5 +35,15 @@ def test_wire_types_are_generated_from_the_servers() -> None:
     assert (ROOT / "web" / "src" / "wire.ts").read_text(encoding="utf-8") == typescript()
 
 
-def test_lock_file_names_no_registry() -> None:
-    assert "http" not in (ROOT / "web" / "package-lock.json").read_text(encoding="utf-8")
+def test_lock_file_is_complete_and_names_no_registry() -> None:
+    """`npm ci` refuses a lock that lacks a platform's optional package, on every platform."""
+    text = (ROOT / "web" / "package-lock.json").read_text(encoding="utf-8")
+    assert "http" not in text
+    packages = json.loads(text)["packages"]
+    asked = {
+        name
+        for package in packages.values()
+        for kind in ("dependencies", "devDependencies", "optionalDependencies")
+        for name in package.get(kind, {})
+    }
+    assert [name for name in sorted(asked) if f"node_modules/{name}" not in packages] == []

@@ -187,6 +187,7 @@ export const en = {
   "reason.hold.task_unsettled": "Keep your legs still to choose the task",
   "reason.hold.gesture": "Both hands up: the arms wait",
   "reason.hold.hand_unknown": "A hand is not seen; its tool keeps its state",
+  "reason.hold.hand_hanging": "Raise the hand to use its tool",
   "reason.hold.hand_not_changed": "Open or close the hand once to take the tool",
   "reason.hold.arm_locked": "This arm is locked in the present task",
   "reason.hold.disc_turning": "The disc is turning; the arms are locked",

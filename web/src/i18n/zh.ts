@@ -172,6 +172,7 @@ export const zh: Record<keyof typeof en, string> = {
   "reason.hold.task_unsettled": "请保持双腿姿势以选择任务",
   "reason.hold.gesture": "双手举起：手臂等待",
   "reason.hold.hand_unknown": "看不清手，工具保持状态",
+  "reason.hold.hand_hanging": "请抬起手以使用工具",
   "reason.hold.hand_not_changed": "请张开或握拳一次以接管工具",
   "reason.hold.arm_locked": "当前任务中此臂锁定",
   "reason.hold.disc_turning": "转盘转动中，手臂锁定",
