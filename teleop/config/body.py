@@ -81,7 +81,7 @@ class SkeletonConfig(Section):
         0.35, gt=0, le=2, description="relative error of a bone length that is still believed"
     )
     previous_scale_m: float = Field(
-        0.25,
+        0.12,
         gt=0,
         le=5,
         description="distance from the last frame's joint that costs as much as a weight ratio of e [m]",
@@ -102,8 +102,8 @@ class FilterConfig(Section):
     min_cutoff_hz: float = Field(
         1.5, gt=0, le=60, description="One-Euro cutoff at rest [Hz]; 1 Hz measured best, less lag"
     )
-    beta: float = Field(4.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
-    derivative_cutoff_hz: float = Field(2.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
+    beta: float = Field(18.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
+    derivative_cutoff_hz: float = Field(4.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
     max_speed_m_s: float = Field(
         6.0, gt=0, le=50, description="faster joints are taken for errors [m/s]; a fast hand reaches 4 to 5 m/s"
     )
