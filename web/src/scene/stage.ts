@@ -22,8 +22,8 @@ import { RobotModel } from "./robot";
 import { AISLE_HALF_WIDTH_M, type Scenery, buildScenery, disposeScenery } from "./scenery";
 
 const MIN_PERIOD_MS = 33;
-/** Drawing by the processor takes its time from tracking and simulation: rest three times as long as a picture takes. */
-const SOFTWARE_REST = 3;
+/** Drawing by the processor takes its time from tracking and simulation: rest four times as long as a picture takes. */
+const SOFTWARE_REST = 4;
 const SOFTWARE_PIXEL_RATIO = 0.75;
 const HOME_EYE_M = new Vector3(1.85, -2.0, 1.75);
 const HOME_TARGET_M = new Vector3(0.05, 0, 0.78);
