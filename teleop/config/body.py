@@ -99,9 +99,7 @@ class FilterConfig(Section):
     """Temporal filter: jump gate and One-Euro (Casiez 2012)."""
 
     enabled: bool = Field(True, description="false gives single-frame results")
-    min_cutoff_hz: float = Field(
-        1.5, gt=0, le=60, description="One-Euro cutoff at rest [Hz]; 1 Hz measured best, less lag"
-    )
+    min_cutoff_hz: float = Field(1.0, gt=0, le=60, description="One-Euro cutoff at rest [Hz]; measured")
     beta: float = Field(18.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
     derivative_cutoff_hz: float = Field(4.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
     max_speed_m_s: float = Field(
@@ -109,7 +107,7 @@ class FilterConfig(Section):
     )
     gate_margin_m: float = Field(0.08, ge=0, le=1, description="jump allowed beside speed times time [m]")
     hold_s: float = Field(
-        0.25, ge=0, le=5, description="a gated joint is held this long, then the jump is believed [s]"
+        0.12, ge=0, le=5, description="a gated joint is held this long, then the jump is believed [s]"
     )
 
 
