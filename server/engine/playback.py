@@ -97,11 +97,6 @@ class Playback:
         with self._changed:
             self._update(replace(self._state, speed=speed))
 
-    def set_loop(self, loop: bool) -> None:
-        """Whether the end leads back to the beginning."""
-        with self._changed:
-            self._update(replace(self._state, loop=loop))
-
     def stop(self) -> None:
         """Release the reader for good."""
         with self._changed:
