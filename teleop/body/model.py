@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from teleop.body.correction import N_CUES, N_NEIGHBOURS
 from teleop.body.parts import N_PARTS
 from teleop.body.person import N_FEATURES
 from teleop.errors import ModelError
@@ -38,7 +39,8 @@ class BodyModel:
     leaf_parts: (L, P) uint8, 255 = 1. vote_joint: (L, K) uint8, N_JOINTS where there is no vote.
     vote_mm: (L, K, 3) int16 joint minus pixel, skeleton axes. vote_spread: (L, K) uint8 in 2 mm.
     bandwidth_m, reference: (J,) mean-shift bandwidth; summed weight of a well-seen joint. bones_m: (B,) mean length
-    of teleop.joints.BONES. person_weights: see teleop.body.person. max_depth: deepest leaf. meta: provenance.
+    of teleop.joints.BONES. person_weights: see teleop.body.person. correction, correction_mean_m: see
+    teleop.body.correction. max_depth: deepest leaf. meta: provenance.
     """
 
     roots: npt.NDArray[np.int32]
@@ -54,6 +56,8 @@ class BodyModel:
     reference: npt.NDArray[np.float64]
     bones_m: npt.NDArray[np.float64]
     person_weights: npt.NDArray[np.float64]
+    correction: npt.NDArray[np.float64]
+    correction_mean_m: npt.NDArray[np.float64]
     max_depth: int
     meta: dict[str, Any]
 
@@ -77,6 +81,8 @@ _ARRAYS: Final = {
     "reference": np.float64,
     "bones_m": np.float64,
     "person_weights": np.float64,
+    "correction": np.float64,
+    "correction_mean_m": np.float64,
 }
 
 
@@ -121,6 +127,8 @@ def _check(model: BodyModel, path: Path) -> None:
         and model.bandwidth_m.shape == model.reference.shape == (N_JOINTS,)
         and model.bones_m.shape == (len(BONES),)
         and model.person_weights.shape == (2 * N_FEATURES + 1,)
+        and model.correction.shape == (N_JOINTS, N_CUES, 3)
+        and model.correction_mean_m.shape == (N_JOINTS, N_NEIGHBOURS, 3)
         and nodes > 0
         and bool((model.roots >= 0).all() and (model.roots < nodes).all())
         and bool((model.children >= 0).all() and (model.children[~at_leaf] < nodes - 1).all())

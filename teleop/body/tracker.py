@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
+from teleop.body.correction import corrected
 from teleop.body.features import pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
@@ -110,6 +111,9 @@ class BodyTracker:
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
         joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
+        if self.config.skeleton.enabled:
+            limit_m = self.config.skeleton.correction_limit_m
+            joints = corrected(joints, model.correction, model.correction_mean_m, limit_m)
         cues = person_features(parts, proposals, joints, confidence, model.bones_m, camera.depth.fx)
         return Single(joints, confidence, parts, cues, person_probability(cues, model.person_weights))
 

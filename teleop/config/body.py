@@ -77,6 +77,7 @@ class SkeletonConfig(Section):
     weight_power: float = Field(
         2.0, ge=0, le=10, description="how much the weight of a mode counts against bone lengths"
     )
+    correction_limit_m: float = Field(0.06, ge=0, le=0.5, description="farthest that the learned correction moves [m]")
     bone_tolerance: float = Field(
         0.35, gt=0, le=2, description="relative error of a bone length that is still believed"
     )

@@ -13,6 +13,7 @@ from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
 from teleop.people.sampling import RenderedFrame, SampleSpec, sample_frame
 from teleop.training.build import BuildSpec, Progress, build_model
+from teleop.training.correcting import fit_correction
 from teleop.training.dataset import HEIGHT, WIDTH, Images, Split, load_images, render_dataset
 from teleop.training.fitting import best_errors_m, fit_model, fit_person, propose_all, walk_frames
 
@@ -23,11 +24,13 @@ PADDING_M: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """frames: training frames. validation: frames the fit uses; as many again are scored. rooms: frames with a
-    room, and as many without, that teach what is a person. seed: of all draws."""
+    """frames: training frames. validation: frames the fit uses; as many again are scored. correction: further
+    validation frames for the joint correction. rooms: frames with a room, and as many without, that teach what is a
+    person. seed: of all draws."""
 
     frames: int = 24000
     validation: int = 300
+    correction: int = 2400
     rooms: int = 400
     seed: int = 2011
     workers: int = 2
@@ -47,20 +50,14 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
 
     Raises ModelError when the file would be larger than 20 MB, DataError when the people's data set is missing.
     """
-    scored = 2 * recipe.validation
-    wanted: tuple[tuple[Split, int], ...] = (("validation", scored), ("train", recipe.frames))
+    validation = 2 * recipe.validation + recipe.correction
+    wanted: tuple[tuple[Split, int], ...] = (("validation", validation), ("train", recipe.frames))
     for split, count in wanted:
         for done, total in render_dataset(work, split, count, PADDING_M, recipe.workers):
             progress(f"rendering {split}", done / total)
     model = build_model(load_images(work, "train", recipe.frames), recipe.build, recipe.seed, progress)
     progress("fitting", 0.0)
-    images = load_images(work, "validation", scored)
-    config = BodyConfig()
-    model = fit_model(model, images, recipe.validation, config)
-    model = fit_person(model, person_frames(recipe.rooms), config)
-    stamp = datetime.now(UTC).strftime("%Y-%m-%d")
-    figures = _figures(model, images, recipe.validation, config)
-    model = replace(model, meta={**model.meta, "date": stamp, **figures})
+    model = fit_everything(model, recipe, work)
     output.parent.mkdir(parents=True, exist_ok=True)
     save_model(model, output)
     progress("fitting", 1.0)
@@ -70,10 +67,26 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
     return model
 
 
-def _figures(model: BodyModel, images: Images, skip: int, config: BodyConfig) -> dict[str, float]:
+def fit_everything(model: BodyModel, recipe: Recipe, work: Path) -> BodyModel:
+    """What is fitted after the trees, from the rendered validation frames in ``work``, and the figures of the result."""
+    scored = 2 * recipe.validation
+    validation = scored + recipe.correction
+    images = load_images(work, "validation", validation)
+    config = BodyConfig()
+    model = fit_model(model, images, recipe.validation, config)
+    fitting = images.joints_m[scored:]
+    proposals = propose_all(model, walk_frames(model, images, len(images), config)[scored:], config)
+    model = fit_correction(model, proposals, fitting, config)
+    model = fit_person(model, person_frames(recipe.rooms), config)
+    stamp = datetime.now(UTC).strftime("%Y-%m-%d")
+    figures = _figures(model, images, recipe.validation, scored, config)
+    return replace(model, meta={**model.meta, "date": stamp, **figures})
+
+
+def _figures(model: BodyModel, images: Images, first: int, last: int, config: BodyConfig) -> dict[str, float]:
     """Raw single-frame figures on the validation frames that the fit did not use."""
-    walked = walk_frames(model, images, len(images), config)[skip:]
-    error = best_errors_m(propose_all(model, walked, config), images.joints_m[skip:])[images.visible[skip:]]
+    walked = walk_frames(model, images, last, config)[first:]
+    error = best_errors_m(propose_all(model, walked, config), images.joints_m[first:last])[images.visible[first:last]]
     return {
         "joints_within_10cm": round(float((error < 0.1).mean()), 4),
         "median_error_m": round(float(sorted(error)[len(error) // 2]), 4),
@@ -106,6 +119,10 @@ def card(model: BodyModel, recipe: Recipe, output: Path) -> str:
             f"part distribution and offsets to the {b.slots} most certain joints, from {b.leaf_pixels} pixels a frame",
         ),
         ("fitted", f"bandwidth and reference weight per joint, on {recipe.validation} validation frames"),
+        (
+            "correction",
+            f"linear in the vectors to neighbour joints, on {recipe.correction} further validation frames",
+        ),
         ("person or not", f"logistic regression, {2 * recipe.rooms} training frames, half of them in furnished rooms"),
     )
     near, median_mm = 100 * model.meta["joints_within_10cm"], 1000 * model.meta["median_error_m"]
