@@ -60,7 +60,7 @@ def pick_motion(
     now, q_now = 0.0, plan.out_q[0]
     for trajectory, tool_from, tool_to, rest_s in legs:
         length = trajectory.duration_s if trajectory is not None else rest_s
-        t = np.arange(0.0, length, STEP_S)
+        t = np.arange(0.0, length - 1e-6, STEP_S)  # the next leg begins where this one ends
         if trajectory is None:
             q = np.repeat(q_now[None], len(t), axis=0)
         else:

@@ -108,6 +108,16 @@ def make_scene(c: GrapeStudyConfig, overlapping: bool, rng: np.random.Generator)
     return GrapeScene(tuple(bunches), cane, post)
 
 
+def camera_error(c: GrapeStudyConfig, pair: bool, at_m: FloatArray, looks: int, rng: np.random.Generator) -> FloatArray:
+    """Mean error (3,) in m, world axes, of some looks at a point (3,): across the line of sight, along it, vertical."""
+    mean_mm = c.pair_error_mm if pair else c.single_error_mm
+    sigma = np.array(mean_mm) * 1e-3 * np.sqrt(np.pi / 2)  # of a normal whose mean absolute value is given
+    across, depth, up = (sigma * rng.standard_normal((looks, 3))).mean(axis=0)
+    bearing = np.arctan2(at_m[1], at_m[0])
+    cos, sin = np.cos(bearing), np.sin(bearing)
+    return np.array([depth * cos - across * sin, depth * sin + across * cos, up])
+
+
 def seen_scene(
     scene: GrapeScene, c: GrapeStudyConfig, looks: int, rng: np.random.Generator
 ) -> tuple[GrapeScene, tuple[FloatArray, ...]]:
@@ -118,14 +128,8 @@ def seen_scene(
     """
     if looks == 0:
         return scene, tuple(np.zeros(3) for _ in scene.bunches)
-    mean_mm = c.pair_error_mm if len(scene.bunches) > 1 else c.single_error_mm
-    sigma = np.array(mean_mm) * 1e-3 * np.sqrt(np.pi / 2)  # of a normal whose mean absolute value is given
-    errors = []
-    for b in scene.bunches:
-        bearing = np.arctan2(b.top_m[1], b.top_m[0])
-        across, depth, up = (sigma * rng.standard_normal((looks, 3))).mean(axis=0)
-        cos, sin = np.cos(bearing), np.sin(bearing)
-        errors.append(np.array([depth * cos - across * sin, depth * sin + across * cos, up]))
+    pair = len(scene.bunches) > 1
+    errors = [camera_error(c, pair, b.top_m, looks, rng) for b in scene.bunches]
     bunches = tuple(b.moved(e) for b, e in zip(scene.bunches, errors, strict=True))
     shift = np.mean(errors, axis=0)
     cane = Box(translation(*shift) @ scene.cane.T, scene.cane.half_m) if isinstance(scene.cane, Box) else scene.cane

@@ -12,7 +12,7 @@ import numpy as np
 from robot_sim.planner import path_length, rrt_connect
 from robot_sim.studies.config import GrapeStudyConfig
 from robot_sim.studies.grape_plan import approaches, level_pose
-from robot_sim.studies.grape_scene import make_scene, seen_scene
+from robot_sim.studies.grape_scene import camera_error, make_scene, seen_scene
 from robot_sim.studies.grape_trial import SELF_PAIRS, Outcome, PickWorld, find_plan, run_pick
 from robot_sim.studies.report import Cell, Table, table
 
@@ -150,16 +150,16 @@ def margin_table(
     curve = []
     half = at.arm_config.finger_height_m / 2
     for h1 in (0.0, 0.003, 0.006, 0.010, 0.015, 0.020, 0.030, None):
-        shares = [
-            share(run_trials(at, count, pair, looks, seed, tick, None if h1 is None else half + h1))
-            for pair in (False, True)
-        ]
+        height = None if h1 is None else half + h1
+        groups = [run_trials(at, count, pair, looks, seed, tick, height) for pair in (False, True)]
+        shares = [100 * share(g) for g in groups]
+        refused = sum(o.key_points == 0 for g in groups for o in g)
         label: Cell = "middle of the bare peduncle" if h1 is None else h1 * MM
-        rows.append((label, count, 100 * shares[0], 100 * shares[1]))
+        rows.append((label, count, *shares, refused))
         if h1 is not None:
-            curve.append((h1 * MM, 100 * shares[0], 100 * shares[1]))
+            curve.append((h1 * MM, shares[0], shares[1]))
     title = f"Success against the safety margin H1, {'one look' if looks == 1 else f'{looks} looks'}"
-    return table("margin", title, ("H1 [mm]", "n each", "single [%]", "overlapping [%]"), rows), curve
+    return table("margin", title, ("H1 [mm]", "n each", "single [%]", "overlapping [%]", "refused"), rows), curve
 
 
 def localisation_table(study: GrapeStudyConfig, count: int, seed: int) -> Table:
@@ -168,15 +168,8 @@ def localisation_table(study: GrapeStudyConfig, count: int, seed: int) -> Table:
     for pair, source in ((False, "5.46 / 6.56, 93.33 %"), (True, "6.34 / 7.87, 82.14 %")):
         for looks in (1, study.looks):
             rng = np.random.default_rng((seed, looks, pair))
-            errors = []
-            for _ in range(count):
-                scene = make_scene(study, pair, rng)
-                _, e = seen_scene(scene, study, looks, rng)
-                top = scene.bunches[0].top_m
-                bearing = math.atan2(top[1], top[0])
-                depth = e[0][0] * math.cos(bearing) + e[0][1] * math.sin(bearing)
-                across = -e[0][0] * math.sin(bearing) + e[0][1] * math.cos(bearing)
-                errors.append((across, depth))
+            ahead = np.array([1.0, 0.0, 0.0])  # depth is x, across is y
+            errors = [camera_error(study, pair, ahead, looks, rng)[[1, 0]] for _ in range(count)]
             a = np.abs(np.array(errors))
             near = float((np.hypot(a[:, 0], a[:, 1]) <= study.close_m).mean())
             kind = "overlapping" if pair else "single"

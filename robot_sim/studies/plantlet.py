@@ -199,7 +199,7 @@ def run_plantlet_study(
     _, e_all_better = line_errors(c.truth, cycle, sc.step_s, 20, rng, plan=c.fitted)
     report.picture(save(draw_line(t_all, e_all, e_all_better), folder / "line.png"), "line")
     progress("sensitivity", 3, 5)
-    report.table(sensitivity_table(arm, sc, targets, 2 if quick else 12, min(trials, 400), rng))
+    report.table(sensitivity_table(arm, sc, targets, 1 if quick else 12, min(trials, 400), rng))
     report.text(
         "The source gives no split between what repeats and what does not; the table shows how the compensated share "
         "depends on it. With more than about 40 % random the aim of 99 % is out of reach of any compensation that only "
