@@ -118,8 +118,9 @@ class GrapeStudyConfig(RobotSection):
         default=0.16, ge=0.05, le=0.5, description="ready pose before the picking point [m]; choice"
     )
     start_m: tuple[float, float, float] = Field(
-        default=(0.34, 0.0, 0.05), description="gripping point at start [m]; choice"
+        default=(0.125, 0.34, 0.05), description="gripping point at start, clear of where bunches hang [m]; choice"
     )
+    start_yaw_deg: float = Field(default=70.0, ge=-180, le=180, description="tool's yaw at the start [deg]; choice")
     basket_m: tuple[float, float, float] = Field(default=(0.10, -0.48, 0.10), description="over the basket [m]; choice")
     spacing_m: float = Field(default=0.07, gt=0, le=0.5, description="key points at most this far apart [m]; choice")
     speed_m_s: float = Field(default=0.25, gt=0, le=2, description="tool speed between key points [m/s]; choice")

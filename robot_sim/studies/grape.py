@@ -57,7 +57,8 @@ class GrapeOutcome:
 
 def start_configuration(arm: SphericalWristArm, study: GrapeStudyConfig) -> FloatArray:
     """Joint values (6,) at the start pose, elbow up and wrist bent down. Raises RobotError when it is out of reach."""
-    q = arm.inverse(level_pose(np.array(study.start_m), 0.0)).nearest(np.radians([0, -100, 80, 0, -70, 0]))
+    T = level_pose(np.array(study.start_m), np.radians(study.start_yaw_deg))
+    q = arm.inverse(T).nearest(np.radians([study.start_yaw_deg, -100, 80, 0, -70, 0]))
     if q is None:
         raise RobotError(f"the start pose {study.start_m} m cannot be reached; move start_m or change the lengths")
     return q
@@ -114,8 +115,8 @@ def run_grape_study(
         _write_report(report, sc, seed, first, many, single_look)
         report.table(margins)
         report.text(
-            "Refused: the planner found no way that keeps its own clearance, and the arm stayed where it was. Below an H1 "
-            f"of {at.path_field.margin_m * 1e3:.0f} mm that is every trial, since paths keep that much from the volume seen."
+            "Refused: the planner found no way that keeps its own clearance, and the arm stayed where it was. Below an "
+            f"H1 of {at.path_field.margin_m * 1e3:.0f} mm that is every trial: paths keep that much from what is seen."
         )
         report.picture(save(draw_summary(curve, many, 1), folder / "summary.png"), "summary")
         report.heading("Planners")

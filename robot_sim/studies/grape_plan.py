@@ -171,7 +171,7 @@ def plan_pick(
     out = leg(start, ready, scene)
     if isinstance(out, str):
         return out
-    out_q = _joint_way(arm, out[0], _turning(len(out[0]), 0.0, approach.yaw_rad), q_start)
+    out_q = _joint_way(arm, out[0], _turning(len(out[0]), math.radians(study.start_yaw_deg), approach.yaw_rad), q_start)
     if out_q is None:
         return "ik.out"
     pick_q = [out_q[-1]]
