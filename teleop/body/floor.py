@@ -95,17 +95,22 @@ def find_floor(
 def _refine(
     points_m: npt.NDArray[np.float32], normal: npt.NDArray[np.float64], height_m: float, config: FloorConfig
 ) -> FloorPlane | None:
-    """Least-squares plane through the inliers, or None where they are too few or too small a patch."""
-    band = config.inlier_m * np.maximum(1.0, points_m[:, 2] ** 2 * 0.25)
-    inliers = points_m[np.abs(points_m @ normal + height_m) < band].astype(np.float64)
-    if len(inliers) < config.min_inliers or max(np.ptp(inliers[:, 0]), np.ptp(inliers[:, 2])) < MIN_EXTENT_M:
-        return None
-    centre = inliers.mean(axis=0)
-    fitted = np.linalg.eigh(np.cov((inliers - centre).T))[1][:, 0]
-    fitted *= np.sign(fitted[1])
-    if fitted[1] < np.cos(np.radians(config.max_tilt_deg)):
-        return None
-    return FloorPlane(fitted, float(-fitted @ centre))
+    """Plane through the inliers, or None where they are too few or too small a patch.
+
+    Weighted least squares, repeated with a narrower band: the foot of a wall lies within the first one and tilts it.
+    """
+    noise = np.maximum(1.0, points_m[:, 2] ** 2 * 0.25)
+    for share in (1.0, 0.8, 0.8):
+        inside = np.abs(points_m @ normal + height_m) < share * config.inlier_m * noise
+        inliers = points_m[inside].astype(np.float64)
+        if len(inliers) < 0.5 * config.min_inliers or np.ptp(inliers[:, [0, 2]], axis=0).max() < MIN_EXTENT_M:
+            return None
+        weights = 1.0 / noise[inside].astype(np.float64) ** 2
+        centre = np.average(inliers, axis=0, weights=weights)
+        normal = np.linalg.eigh(np.cov((inliers - centre).T, aweights=weights))[1][:, 0]
+        normal = normal * np.sign(normal[1])
+        height_m = float(-normal @ centre)
+    return FloorPlane(normal, height_m) if normal[1] >= np.cos(np.radians(config.max_tilt_deg)) else None
 
 
 def _blend(old: FloorPlane, new: FloorPlane, weight: float) -> FloorPlane:

@@ -16,7 +16,7 @@ class FloorConfig(Section):
     min_height_m: float = Field(0.25, ge=0, le=3, description="lowest plausible sensor height [m]")
     max_height_m: float = Field(2.6, ge=0.3, le=5, description="highest plausible sensor height [m]")
     inlier_m: float = Field(
-        0.035, gt=0, le=0.2, description="distance from the plane counted as floor [m] at 2 m; grows with z^2 (noise)"
+        0.018, gt=0, le=0.2, description="distance from the plane counted as floor [m] at 2 m; grows with z^2 (noise)"
     )
     min_inliers: int = Field(250, ge=10, le=100000, description="fewest cells of the decimated cloud on a floor")
     trials: int = Field(160, ge=1, le=5000, description="RANSAC trials; 0.3 inliers give a hit with P > 0.98")

@@ -68,7 +68,7 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
 
 
 def fit_everything(model: BodyModel, recipe: Recipe, work: Path) -> BodyModel:
-    """What is fitted after the trees, from the rendered validation frames in ``work``, and the figures of the result."""
+    """What is fitted after the trees, from the validation frames in ``work``, and the figures."""
     scored = 2 * recipe.validation
     validation = scored + recipe.correction
     images = load_images(work, "validation", validation)
