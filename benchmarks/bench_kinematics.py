@@ -69,7 +69,8 @@ def main() -> None:
     if theirs is not None:
         fk = each_us(lambda k: theirs.fkine(q[k]), THEIRS)
         jac = each_us(lambda k: theirs.jacob0(q[k]), THEIRS)
-        lm = each_us(lambda k: theirs.ikine_LM(theirs.fkine(q[k]), seed=0), THEIRS_IK)
+        goals = [theirs.fkine(v) for v in q[:THEIRS_IK]]
+        lm = each_us(lambda k: theirs.ikine_LM(goals[k], seed=0), THEIRS_IK)
         _show("toolbox fkine", fk)
         _show("toolbox jacob0", jac)
         _show("toolbox ikine_LM", lm)

@@ -48,9 +48,9 @@ def trapezoid(q0: npt.ArrayLike, qf: npt.ArrayLike, speed: npt.ArrayLike, accele
     if not ((v > 0).all() and (acc > 0).all()):
         raise RobotError("speed and acceleration limits must be positive")
     D = np.abs(b - a)
-    if not D.any():
+    moving = D > 1e-12  # less is rounding, not motion
+    if not moving.any():
         return Trapezoid(a, b, 0.0, 0.0)
-    moving = D > 0
     ds = float((v[moving] / D[moving]).min())  # limits of the path parameter
     dds = float((acc[moving] / D[moving]).min())
     ramp = min(ds / dds, np.sqrt(1.0 / dds))  # short motions never cruise
