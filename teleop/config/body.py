@@ -19,7 +19,7 @@ class FloorConfig(Section):
         0.018, gt=0, le=0.2, description="distance from the plane counted as floor [m] at 2 m; grows with z^2 (noise)"
     )
     min_inliers: int = Field(250, ge=10, le=100000, description="fewest cells of the decimated cloud on a floor")
-    trials: int = Field(160, ge=1, le=5000, description="RANSAC trials; 0.3 inliers give a hit with P > 0.98")
+    trials: int = Field(400, ge=1, le=5000, description="RANSAC trials; 0.3 inliers give a hit with P > 0.98")
     smoothing: float = Field(0.1, gt=0, le=1, description="weight of a new plane in the running mean")
 
 
@@ -92,8 +92,8 @@ class SkeletonConfig(Section):
 class PersonConfig(Section):
     """Deciding whether a surface is a person."""
 
-    acquire: float = Field(0.3, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
-    keep: float = Field(0.08, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
+    acquire: float = Field(0.15, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
+    keep: float = Field(0.05, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
 
 
 class FilterConfig(Section):
