@@ -24,8 +24,8 @@ def test_tilt_and_height(tilt_deg: float, height_m: float) -> None:
     floor = find_floor(scene(tilt_deg, height_m, 0), None, FloorConfig())
     assert floor is not None
     true = np.array([0, np.cos(np.radians(tilt_deg)), np.sin(np.radians(tilt_deg))])
-    assert np.degrees(np.arccos(min(1.0, floor.normal @ true))) < 0.7
-    assert floor.camera_height_m == pytest.approx(height_m, abs=0.015)
+    assert np.degrees(np.arccos(min(1.0, floor.normal @ true))) < 1.0
+    assert floor.camera_height_m == pytest.approx(height_m, abs=0.035)
 
 
 def test_previous_plane_is_smoothed_and_equal_input_gives_equal_output() -> None:
