@@ -117,6 +117,10 @@ class TeleopClient:
         """Play slower or faster; 1 is real time."""
         return self._replay("speed", {"speed": speed})
 
+    def loop(self, loop: bool) -> ReplayState:
+        """Begin again at the end, or stop there."""
+        return self._replay("loop", {"loop": loop})
+
     def recordings(self) -> list[Recording]:
         """The library."""
         return [Recording.model_validate(item) for item in self._ask("GET", "/recordings")]

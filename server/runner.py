@@ -65,7 +65,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     tell("building the greenhouse")
     with quiet_output():
         world = World(settings.robot)
-    hub = Hub(settings.stream.max_clients, settings.stream.max_events)
+    hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
     engine = Engine(settings, tracker, world, hub)
     engine.start()

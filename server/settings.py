@@ -51,6 +51,7 @@ class StreamConfig(Section):
     max_events: int = Field(
         default=500, ge=16, le=100_000, description="unsent events after which a stalled client is closed"
     )
+    history_events: int = Field(default=50, ge=0, le=10_000, description="past events that a new client is told")
     max_clients: int = Field(default=64, ge=1, le=1000, description="clients of the stream at one time")
 
 

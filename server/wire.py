@@ -18,6 +18,8 @@ WIRE_VERSION = 1
 Vec2 = TypeAliasType("Vec2", tuple[float, float])
 Vec3 = TypeAliasType("Vec3", tuple[float, float, float])
 Vec4 = TypeAliasType("Vec4", tuple[float, float, float, float])
+Pose = TypeAliasType("Pose", tuple[float, float, float, float, float, float, float])
+"""x, y, z [m], quaternion x, y, z, w."""
 Zone = TypeAliasType("Zone", Literal["none", "out", "forward", "work", "back", "left", "right"])
 Mode = TypeAliasType(
     "Mode",
@@ -106,6 +108,7 @@ class Hello(Message):
     arm_joints: dict[Literal["right", "left", "rear"], ArmJoints]
     lift_range_m: Vec2
     disc_range_rad: Vec2
+    full_tank_l: float
     scenery: tuple[SceneryItem, ...]
 
 
@@ -199,7 +202,11 @@ class BasePose(Message):
 
 
 class RobotWire(Message):
-    """What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints)."""
+    """What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints).
+
+    tank_l: liquid -> litres left. fruits: fruit that is not just hanging -> held, loose, boxed or dropped, with
+    ``+damaged`` when it is bruised. moved: scenery that is no longer where hello put it.
+    """
 
     base: BasePose
     joints: dict[str, float]
@@ -213,6 +220,9 @@ class RobotWire(Message):
     turn_rad_s: float
     sim_time_s: float
     reasons: tuple[str, ...]
+    tank_l: dict[str, float]
+    fruits: dict[str, str]
+    moved: dict[str, Pose]
 
 
 class StageLatency(Message):
@@ -247,13 +257,17 @@ class State(Message):
 
 
 class EventMessage(Message):
-    """Something that happened once, at Unix time t [s]. Never dropped on the way to a client."""
+    """Something that happened once, at Unix time t [s]. Never dropped on the way to a client.
+
+    position_s: where the recording that plays was then; null for a live source.
+    """
 
     type: Literal["event"] = "event"
     t: float
     kind: str
     reason: str
     detail: str = ""
+    position_s: float | None = None
 
 
 class ErrorMessage(Message):

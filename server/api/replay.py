@@ -1,4 +1,4 @@
-"""POST /replay/{play|pause|seek|speed}: controls of a recorded source."""
+"""POST /replay/{play|pause|seek|speed|loop}: controls of a recorded source."""
 
 from __future__ import annotations
 
@@ -38,6 +38,13 @@ class Speed(BaseModel):
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra={"examples": [{"speed": 2.0}]})
     speed: float = Field(ge=SPEED_RANGE[0], le=SPEED_RANGE[1], description="1 is real time")
+
+
+class Loop(BaseModel):
+    """What happens at the end."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"loop": True}]})
+    loop: bool = Field(description="begin again at the end")
 
 
 def _playback(engine: Engine) -> Playback:
@@ -83,4 +90,12 @@ def speed(engine: EngineDep, ask: Speed) -> ReplayState:
     """Play slower or faster; the robot's time runs along."""
     playback = _playback(engine)
     playback.set_speed(ask.speed)
+    return _state(playback)
+
+
+@router.post("/loop", responses=documented(422))
+def loop(engine: EngineDep, ask: Loop) -> ReplayState:
+    """Begin again at the end, or stop there."""
+    playback = _playback(engine)
+    playback.set_loop(ask.loop)
     return _state(playback)

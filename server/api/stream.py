@@ -30,6 +30,8 @@ async def stream(socket: WebSocket, engine: EngineDep, hub: HubDep) -> None:
         await socket.close(_TRY_LATER, refusal.detail)
         return
     client.outbox.put_event(engine.hello().model_dump_json())
+    for event in hub.history:
+        client.outbox.put_event(event)
     tasks = [
         asyncio.create_task(work)
         for work in (_send(socket, client), _receive(socket, client, engine, hub), client.outbox.overflowed.wait())

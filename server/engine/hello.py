@@ -43,6 +43,7 @@ def hello(settings: Settings, camera: Camera, scenery: tuple[Primitive, ...]) ->
         },
         lift_range_m=(body.lift.lower, body.lift.upper),
         disc_range_rad=(body.disc.lower, body.disc.upper),
+        full_tank_l=settings.robot.spray.tank_l,
         scenery=tuple(
             wire.SceneryItem(name=p.name, kind=p.kind, size_m=p.size_m, xyz_m=p.xyz_m, rpy_rad=p.rpy_rad, rgba=p.rgba)
             for p in scenery

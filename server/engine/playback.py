@@ -97,6 +97,11 @@ class Playback:
         with self._changed:
             self._update(replace(self._state, speed=speed))
 
+    def set_loop(self, loop: bool) -> None:
+        """Begin again at the end, or not; a replay that has ended waits for play either way."""
+        with self._changed:
+            self._state = replace(self._state, loop=loop)
+
     def stop(self) -> None:
         """Release the reader for good."""
         with self._changed:

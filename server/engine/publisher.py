@@ -79,8 +79,16 @@ class Publisher:
 
     def announce(self, kind: str, reason: str, detail: str = "") -> None:
         """An event of the server's own, at this moment."""
-        message = wire.EventMessage(t=round(time.time(), 3), kind=kind, reason=reason, detail=detail)
-        self._hub.post_event(message.model_dump_json())
+        session = self.session
+        replayed = session is not None and not session.info.live
+        message = wire.EventMessage(
+            t=round(time.time(), 3),
+            kind=kind,
+            reason=reason,
+            detail=detail,
+            position_s=round(session.playback.state.position_s, 2) if session is not None and replayed else None,
+        )
+        self._hub.post_event(message.model_dump_json(), remember=True)
 
     def painted(self, seq: int) -> None:
         """A client has painted the overlay of state ``seq``: one sample of the whole way, way back included."""

@@ -105,12 +105,20 @@ def robot_state(state: RobotState) -> wire.RobotWire:
         turn_rad_s=round(state.turn_rad_s, 4),
         sim_time_s=round(state.sim_time_s, 3),
         reasons=state.reasons,
+        tank_l={name: round(float(litres), 3) for name, litres in state.tank_l.items()},
+        fruits=dict(state.fruits),
+        moved={name: _pose(pose) for name, pose in state.moved.items()},
     )
 
 
 def merged_reasons(*groups: Iterable[str]) -> tuple[str, ...]:
     """Every code once, in order of first appearance."""
     return tuple(dict.fromkeys(str(code) for group in groups for code in group))
+
+
+def _pose(pose: tuple[float, ...]) -> tuple[float, float, float, float, float, float, float]:
+    x, y, z, qx, qy, qz, qw = (round(float(value), 4) for value in pose)
+    return x, y, z, qx, qy, qz, qw
 
 
 def _arm(target: ArmTarget | None) -> wire.ArmTargetState | None:

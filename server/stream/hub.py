@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -29,12 +30,14 @@ class Client:
 class Hub:
     """Clients belong to the event loop; the ``post_*`` methods may be called from any thread."""
 
-    def __init__(self, max_clients: int, max_events: int) -> None:
+    def __init__(self, max_clients: int, max_events: int, history: int) -> None:
         self._max_clients = max_clients
         self._max_events = max_events
         self._clients: set[Client] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wanted: frozenset[ImageKind] = frozenset()
+        # half of what an outbox holds, so that a new client is not stalled from the start
+        self._history: deque[str] = deque(maxlen=min(history, max_events // 2))
 
     def bind(self, loop: asyncio.AbstractEventLoop | None) -> None:
         """Name the event loop that the clients live in; None when it is about to close."""
@@ -49,6 +52,11 @@ class Hub:
     def count(self) -> int:
         """Connected clients."""
         return len(self._clients)
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """The last events, oldest first, for a client that was not there when they happened."""
+        return tuple(self._history)
 
     def join(self) -> Client:
         """A new client. Raises Refused (503) when there are too many."""
@@ -73,13 +81,17 @@ class Hub:
         """A state for everybody; replaces the one not yet sent."""
         self._post(lambda: self._each("state", text))
 
-    def post_event(self, text: str) -> None:
-        """An event (or a new hello) for everybody; never dropped."""
+    def post_event(self, text: str, remember: bool = False) -> None:
+        """An event (or a new hello) for everybody; never dropped. remember: new clients get it, too."""
 
         def deliver() -> None:
+            if remember:
+                self._history.append(text)
             for client in self._clients:
                 client.outbox.put_event(text)
 
+        if remember and self._loop is None:
+            self._history.append(text)  # nobody is there yet; what happens while the server starts is told later
         self._post(deliver)
 
     def post_image(self, packet: ImagePacket) -> None:

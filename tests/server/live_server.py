@@ -55,7 +55,7 @@ def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engin
     bundled.mkdir()
     write_walk(bundled / "walk.mcap")
     settings = Settings.model_validate(settings_given)
-    hub = Hub(settings.stream.max_clients, settings.stream.max_events)
+    hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     ready = tracker(settings)
     ready.warm_up(frames()[0].camera)  # compiling takes longer than a client waits
     engine = Engine(settings, ready, World(settings.robot), hub)

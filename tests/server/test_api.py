@@ -114,6 +114,12 @@ def test_replay_controls(api: httpx.Client) -> None:
     refused(api.post("/replay/seek", json={"position_s": 99}), 422, "legal: 0 <= position_s <= 2.95")
     refused(api.post("/replay/speed", json={"speed": 0}), 422, "speed")
     refused(api.post("/replay/seek", json={"position": 1}), 422, "position")
+    assert api.post("/replay/loop", json={"loop": False}).json()["loop"] is False
+    api.post("/replay/speed", json={"speed": 8})
+    api.post("/replay/play")
+    until(lambda: api.get("/state").json()["source"]["ended"])
+    assert api.post("/replay/loop", json={"loop": True}).json()["loop"] is True
+    refused(api.post("/replay/loop", json={"loop": "often"}), 422, "loop")
 
 
 def test_configuration_is_changed_or_refused_as_a_whole(api: httpx.Client) -> None:

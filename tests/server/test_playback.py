@@ -80,6 +80,22 @@ def test_the_end_loops_or_waits_and_play_begins_again() -> None:
     assert turns == [Turn.SEEK] and once.start_at() == 0.0 and not once.state.ended
 
 
+def test_a_loop_switched_on_while_playing_counts_at_the_end() -> None:
+    playback, _ = made()
+    playback.set_loop(True)
+    assert playback.state.loop and playback.end() is Turn.SEEK
+    playback.start_at()
+    playback.set_loop(False)
+    turns: list[Turn] = []
+    reader = threading.Thread(target=lambda: turns.append(playback.end()))
+    reader.start()
+    reader.join(0.05)
+    assert playback.state.ended and not turns
+    playback.stop()
+    reader.join(5)
+    assert turns == [Turn.STOP]
+
+
 def test_falling_behind_does_not_make_the_replay_race() -> None:
     playback, clock = made()
     clock.now += 5.0

@@ -96,6 +96,18 @@ def test_events_reach_everybody(live: tuple[str, Engine]) -> None:
         httpx.post(f"{live[0]}/api/v1/estop/reset").raise_for_status()
 
 
+def test_a_new_client_hears_what_happened_before_it_came(live: tuple[str, Engine]) -> None:
+    url, engine = live
+    for i in range(60):
+        engine.publisher.announce("test", "test.past", str(i))
+    with opened(url) as client:
+        next_of(client, "hello")
+        past = [wire.EventMessage.model_validate(next_of(client, "event")) for _ in range(50)]
+        told = [int(event.detail) for event in past if event.reason == "test.past"]
+        assert told == list(range(60))[-len(told) :] and len(told) > 20, "the newest, in their order"
+        assert all(event.position_s is not None for event in past if event.reason == "test.past")
+
+
 def test_a_new_source_says_hello_again(live: tuple[str, Engine]) -> None:
     with opened(live[0]) as client:
         next_of(client, "hello")

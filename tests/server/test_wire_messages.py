@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robot_sim.commands import Liquid
+from robot_sim.state import RobotState
 from server import wire
-from server.engine.snapshot import finite, skeleton_state
+from server.engine.snapshot import finite, robot_state, skeleton_state
 from server.images_wire import ImageKind, ImagePacket
 from server.wire_types import DEFAULT_PATH, typescript
 from teleop.frames import Camera
@@ -72,3 +74,27 @@ def test_the_generator_writes_where_it_is_told(tmp_path: Path) -> None:
 def test_a_client_message_of_another_kind_is_refused() -> None:
     with pytest.raises(ValueError):
         wire.View.model_validate({"type": "view", "image": "x-ray"})
+
+
+def test_fruit_on_the_wire_is_what_the_robot_reports() -> None:
+    state = RobotState(
+        sim_time_s=1.0,
+        base_x_m=0.0,
+        base_y_m=0.0,
+        base_yaw_rad=0.0,
+        drive_m_s=0.0,
+        turn_rad_s=0.0,
+        joint_rad={},
+        target_rad={},
+        gripper_open=True,
+        cutter_closed=False,
+        spray_on=False,
+        liquid=Liquid.WATER,
+        estop=False,
+        tank_l={"water": 3.98765},
+        fruits={"plant_0_fruit_1": "dropped+damaged"},
+        moved={"plant_0_fruit_1_body": (0.123456, 0.0, 0.05, 0.0, 0.0, 0.70710678, 0.70710678)},
+    )
+    robot = wire.RobotWire.model_validate_json(robot_state(state).model_dump_json())
+    assert robot.tank_l == {"water": 3.988} and robot.fruits == {"plant_0_fruit_1": "dropped+damaged"}
+    assert robot.moved == {"plant_0_fruit_1_body": (0.1235, 0.0, 0.05, 0.0, 0.0, 0.7071, 0.7071)}

@@ -6,6 +6,8 @@ export type Vec3 = [number, number, number];
 
 export type Vec4 = [number, number, number, number];
 
+export type Pose = [number, number, number, number, number, number, number];
+
 export type Zone = "none" | "out" | "forward" | "work" | "back" | "left" | "right";
 
 export type Mode =
@@ -79,6 +81,7 @@ export interface Hello {
   arm_joints: { [key: string]: ArmJoints };
   lift_range_m: Vec2;
   disc_range_rad: Vec2;
+  full_tank_l: number;
   scenery: SceneryItem[];
 }
 
@@ -162,7 +165,7 @@ export interface BasePose {
   yaw: number;
 }
 
-/** What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints). */
+/** What the robot reports. joints and targets: URDF joint name -> rad (m for prismatic joints). tank_l: liquid -> litres left. fruits: fruit that is not just hanging -> held, loose, boxed or dropped, with ``+damaged`` when it is bruised. moved: scenery that is no longer where hello put it. */
 export interface RobotWire {
   base: BasePose;
   joints: { [key: string]: number };
@@ -176,6 +179,9 @@ export interface RobotWire {
   turn_rad_s: number;
   sim_time_s: number;
   reasons: string[];
+  tank_l: { [key: string]: number };
+  fruits: { [key: string]: string };
+  moved: { [key: string]: Pose };
 }
 
 /** Milliseconds over the last few hundred frames. */
@@ -207,13 +213,14 @@ export interface State {
   clients: number;
 }
 
-/** Something that happened once, at Unix time t [s]. Never dropped on the way to a client. */
+/** Something that happened once, at Unix time t [s]. Never dropped on the way to a client. position_s: where the recording that plays was then; null for a live source. */
 export interface EventMessage {
   type: "event";
   t: number;
   kind: string;
   reason: string;
   detail: string;
+  position_s: number | null;
 }
 
 /** Why the server refused a message of this client. */
