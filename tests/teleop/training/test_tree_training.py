@@ -89,8 +89,11 @@ def test_votes_point_at_the_joint(images: Images, pixels: Pixels, tree: Tree) ->
     contents = fill_leaves(images, pixels, tree, 4)
     leaf = tree_leaves(images, pixels, tree)
     vote_m = contents.vote_mm[leaf, 0] * 1e-3
-    true = joint_offsets(images, pixels)[np.arange(len(leaf)), contents.vote_joint[leaf, 0]]
-    assert np.median(np.linalg.norm(vote_m - true, axis=1)) < 0.05
+    offsets = joint_offsets(images, pixels)
+    true = offsets[np.arange(len(leaf)), contents.vote_joint[leaf, 0]]
+    error = np.median(np.linalg.norm(vote_m - true, axis=1))
+    blind = np.median(np.linalg.norm(offsets[:, 0] - offsets[:, 0].mean(axis=0), axis=1))
+    assert error < 0.4 * blind
 
 
 def test_training_and_run_time_reach_the_same_leaves(images: Images, pixels: Pixels, tree: Tree) -> None:
