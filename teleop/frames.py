@@ -87,6 +87,7 @@ class DepthFrame:
 
     t_ns: the source's own time stamp. depth_mm: (H, W) uint16, 0 = no reading.
     color_rgb: (h, w, 3) uint8 RGB or None. seq: running number given by the source.
+    color_jpeg: the JPEG that color_rgb was decoded from, if it was; a recording keeps it as it is.
     """
 
     t_ns: int
@@ -94,6 +95,7 @@ class DepthFrame:
     camera: Camera
     color_rgb: ColorImage | None = None
     seq: int = 0
+    color_jpeg: bytes | None = None
 
     def __post_init__(self) -> None:
         d = self.depth_mm
@@ -118,7 +120,7 @@ class DepthFrame:
 
     def without_color(self) -> DepthFrame:
         """The same frame with the colour dropped (privacy)."""
-        return replace(self, color_rgb=None)
+        return replace(self, color_rgb=None, color_jpeg=None)
 
 
 def points_m(u: npt.ArrayLike, v: npt.ArrayLike, depth_m: npt.ArrayLike, camera: Camera) -> npt.NDArray[np.float64]:

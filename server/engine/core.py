@@ -24,6 +24,19 @@ from teleop.reasons import Reason
 from teleop.safety import watchdog
 
 
+@dataclass(frozen=True, slots=True)
+class StepContext:
+    """What a step was told beside its frame and Inputs; with all three it can be done again exactly.
+
+    now_s: the step's own time, monotonic. live, speed: of the source. estop: the robot's latch before the step.
+    """
+
+    now_s: float
+    live: bool
+    speed: float
+    estop: bool
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
     """What one step did. frame and output belong to the last frame when this step had none (``fresh`` False).
@@ -39,6 +52,7 @@ class Moment:
     events: tuple[Event, ...]
     received_s: float | None
     fresh: bool
+    told: StepContext
 
 
 class Core:
@@ -64,16 +78,24 @@ class Core:
         self._received_s: float | None = None
         self._stepped_s = clock()
         self._silence: tuple[str, ...] = ()
+        self._reset_due = False
 
     def configure(self, settings: Settings) -> None:
         """Take a new configuration over. Perception and intent begin anew; a latched e-stop stays."""
         self._settings = settings
         self._tracker = BodyTracker(self._tracker.model, settings.teleop.body)
         self._pipeline = Pipeline(self._tracker, settings.teleop)
-        self.forget()
+        self._forget()
 
-    def forget(self) -> None:
-        """Begin anew with perception and intent (another source). A latched e-stop stays."""
+    def forget(self, reset_robot: bool = False) -> None:
+        """Begin anew with perception and intent (another source). A latched e-stop stays.
+
+        reset_robot: the robot, too, begins from its start at the first frame, so that all can be done again exactly.
+        """
+        self._forget()
+        self._reset_due = reset_robot
+
+    def _forget(self) -> None:
         self._state = self._pipeline.initial_state()
         self.pending = Pending(estop=self.world.state().estop)
         self._last = self._received_s = None
@@ -93,7 +115,10 @@ class Core:
         """Track, interpret, decide, move. ``speed`` is the replay's; the robot's time runs with it."""
         now_s = self._clock()
         self._ledger.add("capture", now_s - arrived.received_s)
-        if arrived.restarted and self._settings.engine.reset_robot_on_loop and not self.world.state().estop:
+        told = StepContext(now_s, live, speed, self.world.state().estop)
+        if self._reset_due:
+            self._start_robot(told)
+        elif arrived.restarted and self._settings.engine.reset_robot_on_loop and not told.estop:
             self.world.reset()
         inputs = self.pending.take(now_s, round(arrived.received_s * 1e9) if live else None)
         output = self._run(arrived.frame, inputs)
@@ -102,9 +127,9 @@ class Core:
             self._received_s, self._silence = arrived.received_s, ()
         else:
             command = self._watched(now_s) or command
-        robot = self._move(command, speed)
+        robot = self._move(command, told)
         self._last = Moment(
-            arrived.frame, output, command, robot, inputs, output.events, arrived.received_s, fresh=True
+            arrived.frame, output, command, robot, inputs, output.events, arrived.received_s, fresh=True, told=told
         )
         return self._last
 
@@ -114,6 +139,7 @@ class Core:
         Direct requests (lift, disc, console) still count; a wish to engage is refused: nobody is seen.
         """
         now_s = self._clock()
+        told = StepContext(now_s, False, speed, self.world.state().estop)
         last = self._last
         command = self._watched(now_s)
         if command is None and last is not None:
@@ -136,9 +162,9 @@ class Core:
             if refusal is not None:
                 command = replace(command, reasons=(*command.reasons, refusal))
                 events = (*events, Event(self._t_ns, "refused", refusal))
-        robot = self._move(command, speed)
+        robot = self._move(command, told)
         frame, output, received_s = (last.frame, last.output, last.received_s) if last else (None, None, None)
-        return Moment(frame, output, command, robot, inputs, events, received_s, fresh=False)
+        return Moment(frame, output, command, robot, inputs, events, received_s, fresh=False, told=told)
 
     @property
     def _t_ns(self) -> int:
@@ -182,12 +208,20 @@ class Core:
         disc_rad = command.disc_rad if inputs.request.disc_rad is None or refusal else inputs.request.disc_rad
         return replace(command, disc_rad=disc_rad), refusal
 
-    def _move(self, command: RobotCommand, speed: float) -> RobotState:
-        now_s = self._clock()
-        dt_s = min((now_s - self._stepped_s) * speed, self._settings.engine.max_step_s)
-        self._stepped_s = now_s
+    def _start_robot(self, told: StepContext) -> None:
+        self.world.reset()
+        if told.estop:
+            self.world.estop()
+        self._state = self._pipeline.initial_state()
+        self._stepped_s, self._silence, self._reset_due = told.now_s, (), False
+
+    def _move(self, command: RobotCommand, told: StepContext) -> RobotState:
+        # from begin of step to begin of step: how long tracking took is no part of the robot's time
+        dt_s = min((told.now_s - self._stepped_s) * told.speed, self._settings.engine.max_step_s)
+        self._stepped_s = told.now_s
+        begin_s = self._clock()
         robot = self.world.step(command, dt_s)
-        self._ledger.add("simulation", self._clock() - now_s)
+        self._ledger.add("simulation", self._clock() - begin_s)
         return robot
 
 

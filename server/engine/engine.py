@@ -19,7 +19,7 @@ from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived, Mailbox
 from server.engine.preview import encoded
 from server.engine.publisher import Publisher
-from server.engine.recording import SessionRecorder
+from server.engine.recording import SessionRecorder, describe
 from server.engine.session import Session, new_session
 from server.errors import Refused
 from server.images_wire import ImageKind
@@ -119,7 +119,8 @@ class Engine(threading.Thread):
             try:
                 recorder = None
                 if record_to is not None:
-                    recorder = SessionRecorder(record_to, source.info, self._urdf, self.publisher.event)
+                    told = describe(self._settings, self._tracker.model, self._core.world)
+                    recorder = SessionRecorder(record_to, source.info, self._urdf, self.publisher.event, told)
                 self._tracker.warm_up(source.info.camera)
             except TeleopError:
                 source.close()
@@ -142,6 +143,9 @@ class Engine(threading.Thread):
         def work() -> None:
             self._core.configure(settings)
             self._settings = settings
+            session = self._session
+            if session is not None and session.recorder is not None:
+                session.recorder.write_settings(settings)
             self._say_hello()
             self.publisher.announce("config", "config.changed")
 
@@ -238,7 +242,7 @@ class Engine(threading.Thread):
 
     def _begin(self, session: Session) -> None:
         self._mailbox.clear()
-        self._core.forget()
+        self._core.forget(reset_robot=session.recorder is not None)
         self.ledger.clear()
         self._session = self.publisher.session = session
         self._sessions.append(session)

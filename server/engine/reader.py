@@ -8,17 +8,21 @@ import time
 from server.engine.mailbox import Arrived, Mailbox
 from server.engine.playback import Playback, Turn
 from teleop.errors import TeleopError
+from teleop.frames import DepthFrame
 from teleop.sources.base import Source
+from teleop.sources.jpeg import through_jpeg
 
 
 class Reader(threading.Thread):
     """Owns the source from now on, and closes it."""
 
-    def __init__(self, source: Source, playback: Playback, mailbox: Mailbox) -> None:
+    def __init__(self, source: Source, playback: Playback, mailbox: Mailbox, recorded: bool = False) -> None:
+        """recorded: frames are handed on as the recording will give them back."""
         super().__init__(name="source-reader", daemon=True)
         self._source = source
         self._playback = playback
         self._mailbox = mailbox
+        self._settle = through_jpeg if recorded else _as_it_is
         self._stopping = threading.Event()
         self.fault: str | None = None
         """Why the source gives no more frames, in one line."""
@@ -51,7 +55,7 @@ class Reader(threading.Thread):
             if self._stopping.is_set():
                 return
             first_ns = frame.t_ns if first_ns is None else first_ns
-            self._mailbox.put(Arrived(frame, time.monotonic(), (frame.t_ns - first_ns) * 1e-9))
+            self._mailbox.put(Arrived(self._settle(frame), time.monotonic(), (frame.t_ns - first_ns) * 1e-9))
         if not self._stopping.is_set():
             self.fault = "the source gives no more frames; check its cable, then open it again"
 
@@ -68,9 +72,13 @@ class Reader(threading.Thread):
                 turn = self._playback.turn(position_s)
                 if turn is not Turn.DELIVER:
                     break
-                self._mailbox.put(Arrived(frame, time.monotonic(), position_s, restarted))
+                self._mailbox.put(Arrived(self._settle(frame), time.monotonic(), position_s, restarted))
                 restarted = False
             else:
                 if first_ns is None:
                     raise TeleopError(f"{self._source.info.uri} holds no depth frames; choose another recording")
                 turn = self._playback.end()
+
+
+def _as_it_is(frame: DepthFrame) -> DepthFrame:
+    return frame

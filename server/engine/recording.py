@@ -2,48 +2,93 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import asdict
+import json
+import platform
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from robot_sim.world import World
 from server.engine.core import Moment
+from server.settings import Settings
+from teleop.body.model import BodyModel
 from teleop.intent_types import Event
+from teleop.recording import topics
+from teleop.recording.identity import model_digest
+from teleop.recording.inputs_json import inputs_to_json
 from teleop.recording.recorder import AsyncRecorder
 from teleop.recording.writer import McapWriter
 from teleop.sources.base import SourceInfo
 from teleop.track_row import track_row
 
 
-class SessionRecorder:
-    """Opens the file at once, so that a wrong folder is known before the session starts. Raises RecordingError."""
+def describe(settings: Settings, model: BodyModel, world: World) -> dict[str, str]:
+    """What decided the session beside frames and inputs, for the recording's metadata."""
+    return {
+        topics.KEY_SETTINGS: json.dumps(settings_json(settings) | {"robot": world.config.model_dump(mode="json")}),
+        topics.KEY_SEED: str(world.seed),
+        topics.KEY_MODEL: model_digest(model),
+        topics.KEY_PROCESSOR: platform.machine(),
+    }
 
-    def __init__(self, path: Path, info: SourceInfo, urdf: str, on_event: Callable[[Event], None]) -> None:
-        writer = McapWriter(path, info.camera, source_uri=info.uri, urdf=urdf, color=info.has_color)
-        self._recorder = AsyncRecorder(writer, on_event=on_event)
+
+def settings_json(settings: Settings) -> dict[str, Any]:
+    """The part of the settings that decides what the robot does."""
+    return settings.model_dump(mode="json", include={"engine", "teleop"})
+
+
+class SessionRecorder:
+    """Opens the file at once, so that a wrong folder is known before the session starts. Raises RecordingError.
+
+    lossless: ``write`` waits for the disk instead of dropping frames, for sources that wait too.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        info: SourceInfo,
+        urdf: str,
+        on_event: Callable[[Event], None],
+        description: Mapping[str, str],
+        lossless: bool = False,
+    ) -> None:
+        writer = McapWriter(
+            path, info.camera, source_uri=info.uri, urdf=urdf, color=info.has_color, metadata=description
+        )
+        self._recorder = AsyncRecorder(writer, on_event=on_event, lossless=lossless)
         self._last_ns: int | None = None
+        self._waiting: dict[str, Any] | None = None
         self._closed = False
         self.name = path.stem
 
     def write(self, moment: Moment) -> bool:
         """Record one step. False when the recording is over: its source began again, or the disk gave up."""
+        if self._closed:
+            return False
         frame, output = moment.frame, moment.output
-        if self._closed or frame is None or output is None:
-            return not self._closed
-        if moment.fresh and self._last_ns is not None and frame.t_ns <= self._last_ns:
+        later = self._last_ns is None or (frame is not None and frame.t_ns > self._last_ns)
+        if moment.fresh and not later and output is not None and output.accepted:
             self.close()  # a recording knows one run of time; a loop or a jump back is another one
             return False
-        t_ns = frame.t_ns
-        if moment.fresh:
-            self._last_ns = t_ns
+        if moment.fresh and later and frame is not None and output is not None:
+            t_ns = self._last_ns = frame.t_ns
+            self._write_waiting(t_ns)
             self._recorder.write_frame(frame)
             self._recorder.write_skeleton(t_ns, output.track.skeleton)
             self._recorder.write_row(t_ns, track_row(output.track, output.intent, moment.command))
             self._recorder.write_robot(t_ns, moment.robot)
+        if self._last_ns is None:
+            return True  # nothing before the first frame counts: the robot begins from its start there
         for event in moment.events:
             self._recorder.write_event(event)
-        self._recorder.write_input(t_ns, _inputs_row(moment))
+        self._recorder.write_input(self._last_ns, _inputs_row(moment, stored=moment.fresh and later))
         return self._recorder.status.error is None
+
+    def write_settings(self, settings: Settings) -> None:
+        """Record that these settings are in force from the next step on."""
+        self._waiting = {"settings": settings_json(settings)}
+        if self._last_ns is not None:
+            self._write_waiting(self._last_ns)
 
     def close(self) -> None:
         """Write what is queued and close the file; safe to call twice."""
@@ -51,19 +96,27 @@ class SessionRecorder:
             self._closed = True
             self._recorder.close()
 
+    def _write_waiting(self, t_ns: int) -> None:
+        if self._waiting is not None:
+            self._recorder.write_input(t_ns, self._waiting)
+            self._waiting = None
 
-def _inputs_row(moment: Moment) -> dict[str, Any]:
-    """All that replay needs beside the frames. ``sim_time_s`` counts the physics ticks."""
-    inputs = moment.inputs
-    return {
-        "engage": inputs.engage,
-        "disengage": inputs.disengage,
-        "estop": inputs.estop,
-        "estop_reset": inputs.estop_reset,
-        "request": None if inputs.request is None else asdict(inputs.request),
-        "receive_t_ns": inputs.receive_t_ns,
-        "source_failed": inputs.source_failed,
+
+def _inputs_row(moment: Moment, stored: bool) -> dict[str, Any]:
+    """All that replay needs beside the frames. ``sim_time_s`` counts the physics ticks.
+
+    frame: the step had one. stored: the recording holds it; one whose stamp was refused is known by its stamp alone.
+    """
+    told = moment.told
+    return inputs_to_json(moment.inputs) | {
         "frame": moment.fresh,
+        "stored": stored,
+        "frame_t_ns": moment.frame.t_ns if moment.fresh and moment.frame is not None else None,
+        "received_s": moment.received_s,
+        "now_s": told.now_s,
+        "live": told.live,
+        "speed": told.speed,
+        "latched": told.estop,
         "watchdog": [event.reason for event in moment.events if event.kind == "watchdog"],
         "sim_time_s": moment.robot.sim_time_s,
     }

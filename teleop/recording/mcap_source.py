@@ -21,6 +21,7 @@ from teleop.sources.nearest import NearestInTime
 
 _log = logging.getLogger(__name__)
 _MAX_SIDE = 16384
+_JPEG = b"\xff\xd8"
 
 
 class McapSource:
@@ -66,6 +67,10 @@ class McapSource:
         first = int(np.searchsorted(index.t_ns, self._t_ns[0] + round(max(from_s, 0.0) * 1e9))) if from_s > 0 else 0
         for number in range(first, len(index.t_ns)):
             yield int(index.t_ns[number]), _json_object(self.file, topic, number)
+
+    def row(self, topic: str, number: int) -> dict[str, Any]:
+        """One object of a JSON topic that the recording has, by its running number."""
+        return _json_object(self.file, topic, number)
 
     def urdf(self) -> str | None:
         """The robot description, if the recording has one."""
@@ -152,7 +157,7 @@ class McapSource:
     def _frame(self, number: int, color: _ColorReader) -> DepthFrame:
         t_ns = int(self._t_ns[number])
         try:
-            return DepthFrame(t_ns, self._depth_image(number), self._info.camera, color.nearest(t_ns), number)
+            return DepthFrame(t_ns, self._depth_image(number), self._info.camera, *color.nearest(t_ns, number))
         except FrameError as error:
             raise RecordingError(f"{self.path}: frame {number}: {error}") from None
 
@@ -182,26 +187,26 @@ class _ColorReader:
         index = file.topics.get(topics.COLOR)
         t_ns = index.t_ns if index is not None else np.zeros(0, dtype=np.int64)
         self._nearest = NearestInTime(t_ns, depth_t_ns)
-        self._last: tuple[int, ColorImage] | None = None
+        self._last: tuple[int, ColorImage, bytes | None] | None = None
 
-    def nearest(self, t_ns: int) -> ColorImage | None:
-        """RGB image (h, w, 3), or None when no image lies near enough."""
+    def nearest(self, t_ns: int, seq: int) -> tuple[ColorImage | None, int, bytes | None]:
+        """RGB image (h, w, 3) or None when none lies near enough; the frame's number; the JPEG if it was one."""
         number = self._nearest.index(t_ns)
         if number is None:
-            return None
+            return None, seq, None
         if self._last is None or self._last[0] != number:
-            self._last = (number, self._decode(number))
-        return self._last[1]
+            self._last = (number, *self._decode(number))
+        return self._last[1], seq, self._last[2]
 
-    def _decode(self, number: int) -> ColorImage:
+    def _decode(self, number: int) -> tuple[ColorImage, bytes | None]:
         message = self._file.message(topics.COLOR, number)
-        data = np.frombuffer(getattr(message, "data", b""), dtype=np.uint8)
-        image = cv2.imdecode(data, cv2.IMREAD_COLOR) if len(data) else None
+        packed = bytes(getattr(message, "data", b""))
+        image = cv2.imdecode(np.frombuffer(packed, dtype=np.uint8), cv2.IMREAD_COLOR) if packed else None
         if image is None:
             raise RecordingError(f"{self._file.path}: colour image {number} cannot be decoded")
         rgb = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
         rgb.flags.writeable = False
-        return rgb.astype(np.uint8, copy=False)
+        return rgb.astype(np.uint8, copy=False), packed if packed.startswith(_JPEG) else None
 
 
 def _json_object(file: McapFile, topic: str, number: int) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import cv2
 import numpy as np
 from foxglove.messages import (
     CameraCalibration,
@@ -31,7 +30,6 @@ from foxglove.messages import (
 )
 
 from robot_sim.state import RobotState
-from teleop.errors import RecordingError
 from teleop.frames import Camera, ColorImage, DepthFrame, Intrinsics
 from teleop.joints import BONES, JOINT_NAMES
 from teleop.recording import topics
@@ -81,12 +79,9 @@ def color_intrinsics(camera: Camera, image: ColorImage) -> Intrinsics:
     return (camera.color or camera.depth).scaled(width, height)
 
 
-def color_image(t_ns: int, image: ColorImage, quality: int) -> CompressedImage:
-    """RGB (h, w, 3) uint8 as JPEG of the given quality, 1..100."""
-    ok, jpeg = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality])
-    if not ok:
-        raise RecordingError(f"colour image of shape {image.shape} cannot be written as JPEG")
-    return CompressedImage(timestamp=timestamp(t_ns), frame_id=topics.COLOR_FRAME, data=jpeg.tobytes(), format="jpeg")
+def color_image(t_ns: int, jpeg: bytes) -> CompressedImage:
+    """A JPEG."""
+    return CompressedImage(timestamp=timestamp(t_ns), frame_id=topics.COLOR_FRAME, data=jpeg, format="jpeg")
 
 
 def skeleton_scene(t_ns: int, skeleton: Skeleton | None, camera: Camera) -> SceneUpdate:

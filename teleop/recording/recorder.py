@@ -47,10 +47,15 @@ class AsyncRecorder:
         *,
         capacity: int = CAPACITY_FRAMES,
         on_event: Callable[[Event], None] | None = None,
+        lossless: bool = False,
     ) -> None:
-        """writer: open, owned from now on. capacity: frames held back. on_event: called from the writing thread."""
+        """writer: open, owned from now on. capacity: frames held back. on_event: called from the writing thread.
+
+        lossless: ``write_frame`` waits instead of dropping, for sources that wait too.
+        """
         self._writer = writer
         self._capacity = capacity
+        self._lossless = lossless
         self._on_event = on_event
         self._work: deque[tuple[bool, int, Callable[[], None]]] = deque()
         self._changed = threading.Condition()
@@ -81,6 +86,8 @@ class AsyncRecorder:
     def write_frame(self, frame: DepthFrame) -> None:
         """Depth is dropped only when the queue is full; colour from half full on."""
         with self._changed:
+            if self._lossless:
+                self._changed.wait_for(lambda: not self._pressed())
             if self._frames_queued >= self._capacity:
                 self._frames_dropped += 1
                 self._report_drop(frame.t_ns, "depth")
@@ -120,7 +127,7 @@ class AsyncRecorder:
         """Write what is queued and close the file; safe to call twice."""
         with self._changed:
             self._closing = True
-            self._changed.notify()
+            self._changed.notify_all()
         self._thread.join(timeout_s)
         if self._thread.is_alive():
             self._stop(0, f"the disk did not take the rest of {self._writer.path} within {timeout_s:.0f} s")
@@ -147,7 +154,7 @@ class AsyncRecorder:
             return
         self._work.append((is_frame, t_ns, work))
         self._frames_queued += is_frame
-        self._changed.notify()
+        self._changed.notify_all()
 
     def _report_drop(self, t_ns: int, what: str) -> None:
         """Queue one event per stretch of pressure; the lock is held."""
@@ -176,6 +183,7 @@ class AsyncRecorder:
                     self._frames_written += is_frame
                     if self._frames_queued == 0:
                         self._reported_drop = False
+                    self._changed.notify_all()
             self._writer.close()
         except RecordingError as error:
             self._stop(t_ns, str(error))
@@ -194,6 +202,7 @@ class AsyncRecorder:
             self._error = why
             self._work.clear()
             self._frames_queued = 0
+            self._changed.notify_all()
         self._tell(Event(t_ns, "recording", REASON_STOPPED, why))
 
     def _abandon(self) -> None:

@@ -1,4 +1,4 @@
-"""The words of the recording format: topics, metadata keys, version..
+"""The words of the recording format: topics, metadata keys, version.
 
 Frames of reference: images, camera_info and the skeleton are in ``camera_depth_optical_frame`` (x right in the
 image, y down, z forward, metres), so that overlays lie on the depth image whether it is mirrored or not.
@@ -38,3 +38,8 @@ KEY_COLOR: Final = "color"
 """JSON of the colour camera's intrinsics; absent when colour is registered to depth."""
 KEY_T_COLOR_DEPTH: Final = "T_color_depth"
 """JSON of the 4x4 matrix; absent when it is the identity."""
+KEY_SETTINGS: Final = "settings"
+"""JSON of the settings that decided what the robot did: engine, teleop, robot."""
+KEY_SEED: Final = "robot_seed"
+KEY_MODEL: Final = "body_model_sha256"
+KEY_PROCESSOR: Final = "processor"

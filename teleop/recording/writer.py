@@ -26,12 +26,13 @@ from foxglove.channels import (
 from foxglove.mcap import MCAPCompression, MCAPWriteOptions
 
 from robot_sim.state import RobotState
-from teleop.errors import RecordingError
+from teleop.errors import FrameError, RecordingError
 from teleop.frames import Camera, DepthFrame
 from teleop.intent_types import Event
 from teleop.recording import messages, topics
 from teleop.recording.output import OutputFile
 from teleop.skeleton import Skeleton
+from teleop.sources.jpeg import encode_jpeg
 
 CHUNK_BYTES = 4 << 20
 """Six depth images of 640x480: larger chunks are not smaller on disk, and slow a seek down."""
@@ -136,7 +137,11 @@ class McapWriter:
         self._last_depth_ns = t_ns
         self._depth.log(messages.depth_image(frame), log_time=t_ns)
         if self._color and frame.color_rgb is not None:
-            self._color_image.log(messages.color_image(t_ns, frame.color_rgb, self._jpeg_quality), log_time=t_ns)
+            try:
+                jpeg = frame.color_jpeg or encode_jpeg(frame.color_rgb, self._jpeg_quality)
+            except FrameError as error:
+                raise RecordingError(str(error)) from None
+            self._color_image.log(messages.color_image(t_ns, jpeg), log_time=t_ns)
             if self._color_info_due:
                 k = messages.color_intrinsics(self._camera, frame.color_rgb)
                 self._color_info.log(messages.camera_info(t_ns, k, topics.COLOR_FRAME), log_time=t_ns)

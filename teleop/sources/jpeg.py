@@ -1,13 +1,15 @@
-"""JPEG images from outside, decoded only when their header claims a believable size."""
+"""JPEG images: made from RGB, and those from outside decoded only when their header claims a believable size."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import cv2
 import numpy as np
 
-from teleop.frames import ColorImage
+from teleop.errors import FrameError
+from teleop.frames import ColorImage, DepthFrame
 
 MAX_SIDE: Final = 8192
 _FRAME_HEADERS: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
@@ -35,3 +37,19 @@ def decode_jpeg(data: bytes) -> ColorImage | None:
         return None
     image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
     return None if image is None else cv2.cvtColor(image, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
+
+
+def encode_jpeg(image: ColorImage, quality: int) -> bytes:
+    """RGB (h, w, 3) uint8 as JPEG of the given quality, 1..100. Raises FrameError."""
+    ok, jpeg = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not ok:
+        raise FrameError(f"colour image of shape {image.shape} cannot be written as JPEG")
+    return jpeg.tobytes()
+
+
+def through_jpeg(frame: DepthFrame, quality: int = 90) -> DepthFrame:
+    """The frame as a recording will give it back, so that what is computed from it can be computed again."""
+    if frame.color_rgb is None or frame.color_jpeg is not None:
+        return frame
+    jpeg = encode_jpeg(frame.color_rgb, quality)
+    return replace(frame, color_rgb=decode_jpeg(jpeg), color_jpeg=jpeg)

@@ -19,13 +19,12 @@ import struct
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-import cv2
 import numpy as np
 import zstandard
 
 from teleop.errors import FrameError, SourceError
 from teleop.frames import Camera, ColorImage, DepthFrame, DepthImage, Intrinsics
-from teleop.sources.jpeg import decode_jpeg
+from teleop.sources.jpeg import decode_jpeg, encode_jpeg
 
 VERSION: Final = 1
 MAGIC: Final = b"GTPF"
@@ -67,8 +66,7 @@ def encode_frame(frame: DepthFrame, *, jpeg_quality: int = 85) -> bytes:
     depth = zstandard.ZstdCompressor(level=3).compress(np.ascontiguousarray(frame.depth_mm, dtype="<u2").tobytes())
     color = b""
     if frame.color_rgb is not None:
-        bgr = cv2.cvtColor(frame.color_rgb, cv2.COLOR_RGB2BGR)
-        color = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])[1].tobytes()
+        color = frame.color_jpeg or encode_jpeg(frame.color_rgb, jpeg_quality)
     header = _HEADER.pack(
         MAGIC, VERSION, 0, 0, frame.seq & 0xFFFFFFFFFFFFFFFF, frame.t_ns, width, height, len(depth), len(color)
     )
@@ -93,7 +91,10 @@ def decode_frame(message: bytes, camera: Camera) -> DepthFrame:
         raise SourceError("push: the time stamp is out of range")
     end = _HEADER.size + depth_bytes
     depth = _depth(message[_HEADER.size : end], width, height)
-    return DepthFrame(t_ns, depth, camera, _color(message[end:]) if color_bytes else None, seq)
+    if not color_bytes:
+        return DepthFrame(t_ns, depth, camera, None, seq)
+    jpeg = bytes(message[end:])
+    return DepthFrame(t_ns, depth, camera, _color(jpeg), seq, jpeg)
 
 
 def encode_ack(seq: int) -> str:

@@ -1,0 +1,107 @@
+"""Two runs over the same frames, held against each other: what differs, by how much, in how many frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import Field
+
+from teleop.config.base import Section
+
+
+class Tolerance(Section):
+    """How far a replay may be off when it does not run on the very same version, model and processor."""
+
+    joints: float = Field(default=0.02, ge=0.0, description="joint positions [m]; a third of the tracker's own error")
+    angles: float = Field(default=3.0, ge=0.0, description="continuous arm angles [deg]; a fifth of one step of 15")
+    command: float = Field(default=5.0, ge=0.0, description="angles told to the robot [deg]; a third of one step")
+    robot: float = Field(default=0.1, ge=0.0, description="robot joints [rad or m]; the 5 deg of a command")
+    base: float = Field(default=0.02, ge=0.0, description="chassis position [m] and half-angle sine")
+    frames: float = Field(default=0.02, ge=0.0, le=1.0, description="share of frames that may differ by more")
+
+    def of(self, group: str) -> float:
+        """The tolerance of a group of values; zero for those that have none."""
+        return float(getattr(self, group, 0.0)) if group != "frames" else 0.0
+
+
+@dataclass(slots=True)
+class Group:
+    """One kind of value. beyond: frames in which one differs by more than its tolerance or is another word."""
+
+    largest: float = 0.0
+    frames: int = 0
+    beyond: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One value of one frame."""
+
+    t_ns: int
+    where: str
+    before: Any
+    after: Any
+
+
+@dataclass(slots=True)
+class Comparison:
+    """Filled frame by frame. missing: frames that could not be compared because one side lacks them."""
+
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    frames: int = 0
+    differing: int = 0
+    missing: int = 0
+    first: Difference | None = None
+    groups: dict[str, Group] = field(default_factory=dict)
+
+    def add(self, t_ns: int, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
+        """Compare one frame: JSON objects of numbers, words and nulls, nested at will; numbers bit for bit."""
+        self.frames += 1
+        old, new = dict(_leaves(before)), dict(_leaves(after))
+        touched: dict[str, bool] = {}
+        for where in sorted(old.keys() | new.keys()):
+            a, b = old.get(where), new.get(where)
+            if a == b:
+                continue
+            if self.first is None:
+                self.first = Difference(t_ns, where, a, b)
+            name = where.partition(".")[0]
+            group = self.groups.setdefault(name, Group())
+            far = True
+            if isinstance(a, int | float) and isinstance(b, int | float):
+                group.largest = max(group.largest, abs(a - b))
+                far = abs(a - b) > self.tolerance.of(name)
+            touched[name] = touched.get(name, False) or far
+        self.differing += bool(touched)
+        for name, far in touched.items():
+            self.groups[name].frames += 1
+            self.groups[name].beyond += far
+
+    @property
+    def identical(self) -> bool:
+        """Every bit of every frame, and there were some."""
+        return self.frames > 0 and self.differing == 0 and self.missing == 0
+
+    @property
+    def within_tolerance(self) -> bool:
+        """Few enough frames of every kind of value are beyond its tolerance."""
+        most = self.tolerance.frames * self.frames
+        return self.frames > 0 and self.missing <= most and all(g.beyond <= most for g in self.groups.values())
+
+
+def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted path and value of every leaf. A list of words is one leaf: its order and length count."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list | tuple) and all(_is_number(v) for v in value) and value:
+        for i, inner in enumerate(value):
+            yield from _leaves(inner, f"{path}.{i}")
+    else:
+        yield path, list(value) if isinstance(value, tuple) else value
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
