@@ -58,6 +58,17 @@ def best_modes(
     return choice
 
 
+def without_long_bones(
+    joints_m: npt.NDArray[np.float64], confidence: npt.NDArray[np.float64], longest_m: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Joints (20, 3) with the less sure end of every impossibly long bone unknown. longest_m: (B,)."""
+    out = joints_m.copy()
+    for parent, child, longest in zip(_PARENT, _CHILD, longest_m, strict=True):
+        if np.linalg.norm(out[child] - out[parent]) > longest:  # False where one is unknown
+            out[child if confidence[child] <= confidence[parent] else parent] = np.nan
+    return out
+
+
 def assemble(
     proposals: Proposals,
     bones_m: npt.NDArray[np.float64],
@@ -84,4 +95,7 @@ def assemble(
     joints = modes[rows, choice].copy()
     confidence = np.where(np.isnan(joints[:, 0]), 0.0, confidence)
     joints[confidence < config.min_confidence] = np.nan
+    if config.enabled:
+        joints = without_long_bones(joints, confidence, config.max_bone * bones_m)
+        confidence = np.where(np.isnan(joints[:, 0]), np.minimum(confidence, config.min_confidence), confidence)
     return joints, confidence

@@ -78,6 +78,9 @@ class SkeletonConfig(Section):
         2.0, ge=0, le=10, description="how much the weight of a mode counts against bone lengths"
     )
     correction_limit_m: float = Field(0.06, ge=0, le=0.5, description="farthest that the learned correction moves [m]")
+    max_bone: float = Field(
+        1.8, ge=1, le=10, description="bones longer than this share of the mean person's are wrong; the tallest has 1.2"
+    )
     bone_tolerance: float = Field(
         0.35, gt=0, le=2, description="relative error of a bone length that is still believed"
     )

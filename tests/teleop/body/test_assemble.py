@@ -56,3 +56,15 @@ def test_unsure_joint_is_unknown() -> None:
     assert np.isnan(found[3]).all()
     assert not np.isnan(np.delete(found, 3, axis=0)).any()
     assert confidence[3] < 0.01
+
+
+def test_end_of_an_impossible_bone_is_unknown() -> None:
+    joints, bones = body()
+    scores = np.ones((N_JOINTS, 1))
+    scores[6] = 0.5
+    far = joints.copy()
+    far[6] += [2.0, 0.0, 0.0]
+    found, confidence = assemble(Proposals(far[:, None], scores), bones, None, SkeletonConfig())
+    assert np.isnan(found[6]).all()
+    assert confidence[6] < 0.1
+    assert not np.isnan(np.delete(found, 6, axis=0)).any()
