@@ -96,7 +96,7 @@ def single_frame(config: BodyConfig) -> BodyConfig:
 def time_stages(tracker: BodyTracker, frames: Iterable[DepthFrame], repeats: int) -> npt.NDArray[np.float64]:
     """Seconds (F * repeats, stages) of each of STAGES on one thread; frames without an operator are left out."""
     config, model, out = tracker.config, tracker.model, []
-    weight_of = vote_weights(config.proposals)
+    weight_of, max_offset_m = vote_weights(config.proposals), model.max_offset_m
     for frame in frames:
         tracker.warm_up(frame.camera)
         step = working_step(frame.camera, config.forest.working_focal_px)
@@ -109,7 +109,7 @@ def time_stages(tracker: BodyTracker, frames: Iterable[DepthFrame], repeats: int
             t.append(time.perf_counter())
             if found is None:
                 break
-            image = pad_image(frame.depth_mm, found.mask, found.box, frame.camera, model.max_offset_m, step)
+            image = pad_image(frame.depth_mm, found.mask, found.box, frame.camera, max_offset_m, step)
             stride = stride_for(found.area_px // step**2, config.forest.max_pixels)
             parts, leaves = infer(model, image, stride, step, frame.camera.mirrored)
             t.append(time.perf_counter())
