@@ -131,6 +131,11 @@ class PushWindow:
         self._last_seq = seq
         return True
 
+    @property
+    def on_the_way(self) -> int:
+        """Frames that have not been answered yet."""
+        return self._on_the_way
+
     def acknowledged(self, seq: int) -> None:
         """An answer came. An answer to the newest frame answers all before it: messages may be lost on the way."""
         self._on_the_way = 0 if seq >= self._last_seq else max(0, self._on_the_way - 1)

@@ -1,0 +1,30 @@
+"""``teleop push``: the frames of a source on this machine become the source of a server on another one."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+
+def push(
+    source: Annotated[str, typer.Argument(help="Sensor, recording, RGB-D folder or virtual:.")],
+    to: Annotated[str, typer.Option("--to", help="ws://HOST:PORT/api/v1/push of the server.")],
+    seconds: Annotated[float | None, typer.Option(min=0.1, help="Stop after this many seconds.")] = None,
+    color: Annotated[bool, typer.Option("--color/--no-color", help="Send colour, or leave it out (privacy).")] = True,
+    loop: Annotated[bool, typer.Option("--loop", help="Begin a recorded source again at its end.")] = False,
+    window: Annotated[int, typer.Option(min=1, max=100, help="Frames on the way at most; more are left out.")] = 3,
+) -> None:
+    """Send frames as they come; recordings go at their own pace. Reconnects when the connection is lost."""
+    from server.cli.progress import frame_progress
+    from server.cli.push_run import PushOptions, push_frames
+    from teleop.sources import open_source
+
+    opened = open_source(source)
+    try:
+        total = None if loop else opened.info.frame_count
+        with frame_progress("pushing", total) as advance:
+            sent = push_frames(opened, to, PushOptions(seconds, color, loop, window), advance)
+    finally:
+        opened.close()
+    typer.echo(f"{sent.sent} frames sent, {sent.dropped} left out, {sent.connections} connections")

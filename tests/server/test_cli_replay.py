@@ -1,0 +1,136 @@
+"""``teleop record`` and ``teleop replay --verify`` over the bundled recording, with the real pipeline and robot."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from live_server import frames, tracker
+
+from robot_sim.world import World
+from server.cli.record_run import RecordOptions, record_session
+from server.cli.replay import lines
+from server.cli.replay_run import compare, unlike
+from server.engine.core import Core
+from server.engine.ledger import Ledger
+from server.engine.mailbox import Arrived
+from server.engine.recording import SessionRecorder, describe
+from server.settings import Settings, bundled_recordings, changed
+from teleop.body.model import load_model
+from teleop.errors import RecordingError
+from teleop.inputs import RobotRequest
+from teleop.intent_types import Event, Mode
+from teleop.reasons import Reason
+from teleop.recording import McapSource, topics
+from teleop.recording.comparison import Comparison
+from teleop.sources import open_source
+from teleop.sources.base import SourceInfo
+from teleop.sources.jpeg import through_jpeg
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three seconds of the bundled recording, its operator engaged, with everything that happened."""
+    path = tmp_path_factory.mktemp("replay") / "session.mcap"
+    source = open_source(str(bundled_recordings() / "greenhouse_demo.mcap"))
+    count = record_session(source, path, Settings(), RecordOptions(seconds=3.0, engage=True))
+    source.close()
+    assert count == 61
+    return path
+
+
+def verified(path: Path, change: dict[str, Any] | None = None) -> Comparison:
+    source = McapSource(path)
+    try:
+        assert unlike(source, load_model()) == []
+        return compare(source, load_model(), change)
+    finally:
+        source.close()
+
+
+def test_a_recorded_session_replays_bit_for_bit(recording: Path) -> None:
+    found = verified(recording)
+    assert found.identical and found.frames == 61, lines(found, [], changed=False)
+
+
+def test_the_session_moved_the_robot(recording: Path) -> None:
+    source = McapSource(recording)
+    modes = {row["mode"] for _, row in source.rows(topics.TRACK)}
+    states = source.file.topics[topics.JOINT_STATES]
+    first, last = (source.file.message(topics.JOINT_STATES, i).joints for i in (0, len(states.t_ns) - 1))
+    source.close()
+    assert Mode.ENGAGED in modes
+    assert [j.position for j in first] != [j.position for j in last]
+
+
+def test_other_settings_are_summarised(recording: Path) -> None:
+    found = verified(recording, {"teleop": {"body": {"filter": {"enabled": False}}}})
+    assert not found.identical and found.differing > 20 and found.missing == 0
+    assert 0 < found.groups["joints"].largest < 0.5
+    text = lines(found, [], changed=True)
+    assert text[0].endswith("of 61 frames differ") and any(line.startswith("  joints: ") for line in text)
+
+
+def test_all_inputs_of_a_live_session_count(tmp_path: Path) -> None:
+    """Silence, watchdog, requests, e-stop, refused stamps and a change of settings, as the engine's loop gives them."""
+    path, settings = tmp_path / "live.mcap", Settings()
+    now_s = 100.0
+    world = World(settings.robot)
+    body = tracker(settings)
+    info = SourceInfo("push:", "push", frames()[0].camera, live=True, has_color=True)
+    events: list[Event] = []
+    described = describe(settings, body.model, world)
+    recorder = SessionRecorder(path, info, world.urdf, events.append, described, lossless=True)
+    core = Core(body, world, settings, Ledger(10), lambda: now_s)
+    core.forget(reset_robot=True)
+    core.pending.ask(RobotRequest(lift_m=0.25, drive_m_s=0.1), now_s + 0.4)
+    for i in range(3):
+        recorder.write(core.on_silence(False, 1.0))  # before the first frame
+        now_s += 0.03 + i * 0.001
+    for i, frame in enumerate(frames()[:24]):
+        now_s += 0.0337 + 0.0011 * (i % 3)
+        core.pending.engage = i == 3
+        if i == 8:
+            core.estop()
+        if i == 12:
+            core.estop_reset()
+        if i == 15:
+            settings = changed(settings, {"teleop": {"body": {"filter": {"enabled": False}}}})
+            core.configure(settings)
+            recorder.write_settings(settings)
+        told = replace(through_jpeg(frame), t_ns=frames()[9].t_ns) if i == 10 else through_jpeg(frame)
+        assert recorder.write(core.on_frame(Arrived(told, now_s - 0.004, 0.0), live=True, speed=1.0))
+        if i in (5, 8, 18):
+            for _ in range(9):
+                now_s += 0.0331
+                recorder.write(core.on_silence(i == 18, 1.0))
+    recorder.close()
+    world.close()
+    assert not events
+    source = McapSource(path)
+    rows = [row for _, row in source.rows(topics.INPUTS)]
+    source.close()
+    assert sum("settings" in row for row in rows) == 1
+    codes = {code for row in rows for code in row.get("watchdog", ())}
+    assert codes == {Reason.NO_FRAME_HOLD, Reason.SOURCE_FAILED}
+    assert sum(bool(row.get("frame")) and not row["stored"] for row in rows) == 1
+    found = verified(path)
+    assert found.identical and found.frames == 23, lines(found, [], changed=False)
+
+
+def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
+    source = McapSource(bundled_recordings() / "greenhouse_demo.mcap")
+    with pytest.raises(RecordingError, match=r"nothing to verify.*teleop record"):
+        compare(source, load_model())
+    source.close()
+
+
+def test_a_comparison_is_plain_json(recording: Path) -> None:
+    from dataclasses import asdict
+
+    found = Comparison()
+    found.add(0, {"a": 1.0}, {"a": 1.0000000000000002})
+    assert not found.identical and json.loads(json.dumps(asdict(found.groups["a"])))["frames"] == 1
