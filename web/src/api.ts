@@ -18,6 +18,13 @@ export class RequestError extends Error {}
 
 const ROOT = "/api/v1";
 const TIMEOUT_MS = 5_000;
+const UPLOAD_TIMEOUT_MS = 300_000;
+
+function encoded(body: unknown): RequestInit {
+  if (body === undefined) return {};
+  if (body instanceof FormData) return { body };
+  return { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+}
 
 async function request(method: string, path: string, body?: unknown, timeout_ms = TIMEOUT_MS): Promise<unknown> {
   let response: Response;
@@ -25,7 +32,7 @@ async function request(method: string, path: string, body?: unknown, timeout_ms 
     response = await fetch(ROOT + path, {
       method,
       signal: AbortSignal.timeout(timeout_ms),
-      ...(body === undefined ? {} : { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }),
+      ...encoded(body),
     });
   } catch (cause) {
     throw new RequestError(cause instanceof Error ? cause.message : String(cause));
@@ -49,7 +56,13 @@ export const api = {
   pause: () => request("POST", "/replay/pause"),
   seek: (position_s: number) => request("POST", "/replay/seek", { position_s }),
   speed: (speed: number) => request("POST", "/replay/speed", { speed }),
+  loop: (loop: boolean) => request("POST", "/replay/loop", { loop }),
   robot: (command: RobotRequest) => request("POST", "/robot/command", command),
   openSession: (source: string, loop: boolean) => request("POST", "/sessions", { source, loop, record: false }, 30_000),
+  upload: (file: File) => {
+    const form = new FormData();
+    form.append("file", file);
+    return request("POST", "/recordings", form, UPLOAD_TIMEOUT_MS);
+  },
   recordings: async () => (await request("GET", "/recordings")) as Recording[],
 };

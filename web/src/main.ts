@@ -4,7 +4,13 @@ import "uplot/dist/uPlot.min.css";
 import "./styles/tokens.css";
 import "./styles/layout.css";
 import "./styles/controls.css";
-import "./styles/panels.css";
+import "./styles/banner.css";
+import "./styles/views.css";
+import "./styles/person.css";
+import "./styles/tools.css";
+import "./styles/replay.css";
+import "./styles/measures.css";
+import "./styles/small.css";
 import { act, emergencyStop, noticeBoard, notify } from "./act";
 import { api } from "./api";
 import { Connection, type Link } from "./connection";
@@ -134,6 +140,7 @@ listen(() => void emergencyStop(), {
   ArrowRight: () => replay.step(1),
   "[": () => replay.changeSpeed(-1),
   "]": () => replay.changeSpeed(1),
+  o: () => replay.toggleLoop(),
   v: () => camera.toggleImage(),
   m: () => camera.toggleMirror(),
   f: () => scene.toggleFollow(),

@@ -18,6 +18,7 @@ export class EventsPanel implements Panel {
   }
 
   event(event: EventMessage): void {
+    if (this.kept.some((old) => old.t === event.t && old.reason === event.reason)) return; // told again on reconnecting
     if (this.kept.length === 0) this.list.replaceChildren();
     this.kept.push(event);
     if (this.kept.length > KEPT) {

@@ -11,6 +11,7 @@ const KEYS: readonly (readonly [string, Key])[] = [
   ["P", "help.pause"],
   ["← →", "help.seek"],
   ["[ ]", "help.speed"],
+  ["O", "help.loop"],
   ["V", "help.image"],
   ["M", "help.mirror"],
   ["F", "help.follow"],

@@ -10,16 +10,31 @@ import { clock } from "./replay";
 export class RecordingsSheet {
   private readonly list = h("div", { class: "recordings" });
   private readonly loop = h("input", { type: "checkbox", checked: true });
+  private readonly file = h("input", { type: "file", accept: ".mcap", class: "unseen" });
+  private readonly uploadText = translated(h("span"), "recordings.upload");
   private readonly sheet = new Sheet(
     "panel.recordings",
     this.list,
-    h("label", { class: "check" }, this.loop, translated(h("span"), "recordings.loop")),
+    h(
+      "div",
+      { class: "recordings-foot" },
+      h("label", { class: "check" }, this.loop, translated(h("span"), "recordings.loop")),
+      h("label", { class: "button" }, this.file, this.uploadText),
+    ),
   );
   readonly element = this.sheet.element;
+
+  constructor() {
+    this.file.addEventListener("change", () => void this.upload());
+  }
 
   async open(): Promise<void> {
     this.list.replaceChildren();
     this.sheet.open();
+    await this.refresh();
+  }
+
+  private async refresh(): Promise<void> {
     try {
       const recordings = await api.recordings();
       this.list.replaceChildren(...recordings.map((recording) => this.entry(recording)));
@@ -36,6 +51,17 @@ export class RecordingsSheet {
     const button = h("button", { class: "recording", type: "button" }, h("b", {}, recording.name), h("span", {}, length), h("span", {}, megabytes));
     button.addEventListener("click", () => void this.choose(recording));
     return button;
+  }
+
+  private async upload(): Promise<void> {
+    const file = this.file.files?.[0];
+    if (!file) return;
+    this.file.disabled = true;
+    translated(this.uploadText, "recordings.uploading");
+    if (await act(api.upload(file))) await this.refresh();
+    translated(this.uploadText, "recordings.upload");
+    this.file.disabled = false;
+    this.file.value = ""; // the same file may be chosen again
   }
 
   private async choose(recording: Recording): Promise<void> {

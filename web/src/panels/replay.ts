@@ -6,7 +6,8 @@ import { Attribute, Text, h } from "../dom";
 import { t, titled, translated } from "../i18n";
 import { icon, setIcon } from "../icons";
 import { type Panel, frame } from "../panel";
-import type { SourceState, State } from "../wire";
+import { Timeline } from "../timeline";
+import type { EventMessage, SourceState, State } from "../wire";
 import type { RecordingsSheet } from "./recordings";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8] as const;
@@ -18,7 +19,10 @@ export class ReplayPanel implements Panel {
   readonly element: HTMLElement;
   private readonly glyph = icon("pause");
   private readonly play = titled(h("button", { class: "button round", type: "button" }, this.glyph), "replay.play");
-  private readonly slider = titled(h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 }), "replay.position");
+  private readonly timeline = new Timeline();
+  private readonly slider = this.timeline.slider;
+  private readonly loop = titled(h("button", { class: "button round", type: "button" }, icon("loop")), "replay.loop");
+  private readonly looping = new Attribute(this.loop, "aria-pressed");
   private readonly speed = titled(h("select", {}), "replay.speed");
   private readonly name = new Text(h("b", { class: "source-name" }));
   private readonly marks = new Text(h("span", { class: "source-marks" }));
@@ -40,13 +44,14 @@ export class ReplayPanel implements Panel {
       this.seek(Number(this.slider.value));
     });
     this.speed.addEventListener("change", () => this.sendSpeed());
+    this.loop.addEventListener("click", () => this.toggleLoop());
     const open = translated(h("button", { class: "button", type: "button" }), "replay.recordings");
     open.prepend(icon("files"));
     open.addEventListener("click", () => void recordings.open());
     const { element, tools } = frame(
       "replay",
       "panel.replay",
-      h("div", { class: "transport" }, this.play, this.slider, this.time.element, this.speed, open),
+      h("div", { class: "transport" }, this.play, this.timeline.element, this.time.element, this.loop, this.speed, open),
     );
     tools.append(this.name.element, this.marks.element);
     this.element = element;
@@ -56,6 +61,10 @@ export class ReplayPanel implements Panel {
   toggle(): void {
     if (this.source?.live !== false) return;
     void act(this.source.paused || this.source.ended ? api.play() : api.pause());
+  }
+
+  toggleLoop(): void {
+    if (this.source?.live === false) void act(api.loop(!this.source.loop));
   }
 
   /** Moves by some steps of five seconds. */
@@ -87,6 +96,10 @@ export class ReplayPanel implements Panel {
     this.time.set(duration == null ? clock(position_s) : `${clock(position_s)} / ${clock(duration)}`);
   }
 
+  event(event: EventMessage): void {
+    this.timeline.event(event);
+  }
+
   state(state: State, now_ms: number): void {
     const source = state.source;
     this.source = source;
@@ -99,14 +112,13 @@ export class ReplayPanel implements Panel {
     this.name.set(source.uri.split("/").at(-1) ?? source.uri);
     const marks: string[] = [];
     if (source.live) marks.push(t("replay.live"));
-    if (source.loop) marks.push(t("replay.loop"));
     if (source.ended) marks.push(t("replay.ended"));
     if (source.recording) marks.push(`● ${t("replay.recording")}`);
     this.marks.set(marks.join(" · "));
+    this.looping.set(String(source.loop));
+    this.timeline.extend(source.duration_s ?? 0);
     setIcon(this.glyph, source.paused || source.ended ? "play" : "pause");
     if (this.dragging || now_ms < this.quiet_until_ms) return;
-    const duration = String(source.duration_s ?? 0);
-    if (this.slider.max !== duration) this.slider.max = duration;
     this.slider.value = String(source.position_s);
     this.showTime(source.position_s);
     if (document.activeElement !== this.speed) this.speed.value = String(source.speed);

@@ -8,6 +8,7 @@ import { icon, setIcon } from "../icons";
 import { type Panel, frame } from "../panel";
 import type { Hello, State } from "../wire";
 import { SIDES, type Side } from "../words";
+import { Stocks } from "./stocks";
 
 const SEND_EVERY_MS = 100;
 
@@ -101,6 +102,7 @@ export class ToolsPanel implements Panel {
   private readonly gripper = new Lamp("tool.gripper");
   private readonly cutter = new Lamp("tool.cutter");
   private readonly spray = new Lamp("tool.spray");
+  private readonly stocks = new Stocks();
   private readonly lift = new Drive("tool.lift", 1, "m", (value) => ({ lift_m: value }));
   private readonly disc = new Drive("tool.disc", 180 / Math.PI, "°", (value) => ({ disc_rad: value }));
 
@@ -111,11 +113,13 @@ export class ToolsPanel implements Panel {
       "panel.tools",
       h("div", { class: "hands" }, ...this.hands.map((hand) => hand.element)),
       h("div", { class: "lamps" }, ...lamps),
+      this.stocks.element,
       h("div", { class: "drives" }, this.lift.element, this.disc.element),
     ).element;
   }
 
   hello(hello: Hello): void {
+    this.stocks.hello(hello);
     this.lift.limits(...hello.lift_range_m);
     this.disc.limits(...hello.disc_range_rad);
   }
@@ -126,6 +130,7 @@ export class ToolsPanel implements Panel {
     this.gripper.set(t(robot.gripper_open ? "tool.open" : "tool.closed"), !robot.gripper_open);
     this.cutter.set(t(robot.cutter_closed ? "tool.closed" : "tool.open"), robot.cutter_closed);
     this.spray.set(`${t(`liquid.${robot.liquid}`)}, ${t(robot.spray_on ? "tool.on" : "tool.off")}`, robot.spray_on, robot.liquid);
+    this.stocks.set(robot);
     this.lift.follow(robot.joints["lift"] ?? 0);
     this.disc.follow(robot.joints["disc"] ?? 0);
   }

@@ -15,6 +15,7 @@ import {
   Vector3,
 } from "three";
 import type { SceneryItem } from "../wire";
+import { Moved, type Piece } from "./moved";
 
 /** Few segments: the whole view has to stay below 15,000 triangles. */
 function unitGeometry(kind: SceneryItem["kind"]): BufferGeometry {
@@ -46,20 +47,23 @@ export interface Scenery {
   all: Group;
   left: Group;
   right: Group;
+  moved: Moved;
 }
 
 /** What stands at least this far beside the middle of the aisle belongs to a row. */
 export const AISLE_HALF_WIDTH_M = 0.45;
 
 export function buildScenery(items: readonly SceneryItem[]): Scenery {
-  const left = batched(items.filter((item) => item.xyz_m[1] > AISLE_HALF_WIDTH_M));
-  const right = batched(items.filter((item) => item.xyz_m[1] < -AISLE_HALF_WIDTH_M));
-  const all = batched(items.filter((item) => Math.abs(item.xyz_m[1]) <= AISLE_HALF_WIDTH_M));
-  all.add(left, right);
-  return { all, left, right };
+  const pieces = new Map<string, Piece>();
+  const left = batched(items.filter((item) => item.xyz_m[1] > AISLE_HALF_WIDTH_M), pieces);
+  const right = batched(items.filter((item) => item.xyz_m[1] < -AISLE_HALF_WIDTH_M), pieces);
+  const all = batched(items.filter((item) => Math.abs(item.xyz_m[1]) <= AISLE_HALF_WIDTH_M), pieces);
+  const moved = new Moved(pieces);
+  all.add(left, right, moved.group);
+  return { all, left, right, moved };
 }
 
-function batched(items: readonly SceneryItem[]): Group {
+function batched(items: readonly SceneryItem[], pieces: Map<string, Piece>): Group {
   const batches = new Map<string, SceneryItem[]>();
   for (const item of items) {
     const key = `${item.kind} ${item.rgba[3]}`;
@@ -68,11 +72,11 @@ function batched(items: readonly SceneryItem[]): Group {
     else batches.set(key, [item]);
   }
   const group = new Group();
-  for (const batch of batches.values()) group.add(instanced(batch));
+  for (const batch of batches.values()) group.add(instanced(batch, pieces));
   return group;
 }
 
-function instanced(items: readonly SceneryItem[]): InstancedMesh {
+function instanced(items: readonly SceneryItem[], pieces: Map<string, Piece>): InstancedMesh {
   const first = items[0];
   const alpha = first?.rgba[3] ?? 1;
   const material = new MeshLambertMaterial({ transparent: alpha < 1, opacity: alpha, depthWrite: alpha === 1 });
@@ -86,7 +90,9 @@ function instanced(items: readonly SceneryItem[]): InstancedMesh {
   items.forEach((item, i) => {
     // URDF's roll, pitch, yaw turn about fixed axes: intrinsic z, y, x.
     turn.setFromEuler(euler.set(...item.rpy_rad, "ZYX"));
-    mesh.setMatrixAt(i, matrix.compose(place.set(...item.xyz_m), turn, scaleOf(item, scale)));
+    matrix.compose(place.set(...item.xyz_m), turn, scaleOf(item, scale));
+    mesh.setMatrixAt(i, matrix);
+    pieces.set(item.name, { item, shared: mesh, index: i, home: matrix.clone() });
     const [r, g, b] = item.rgba;
     mesh.setColorAt(i, color.setRGB(r, g, b, "srgb"));
   });
@@ -96,6 +102,7 @@ function instanced(items: readonly SceneryItem[]): InstancedMesh {
 }
 
 export function disposeScenery(scenery: Scenery): void {
+  scenery.moved.dispose();
   scenery.all.traverse((child) => {
     if (!(child instanceof InstancedMesh)) return;
     child.geometry.dispose();

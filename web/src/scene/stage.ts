@@ -106,6 +106,7 @@ export class Stage {
   }
 
   state(state: State): void {
+    if (this.scenery?.moved.set(state.robot.moved)) this.invalidate();
     if (!this.robot?.set(state.robot)) return;
     const { x, y } = state.robot.base;
     this.step.set(x, y, 0).sub(this.base);
