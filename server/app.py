@@ -11,7 +11,7 @@ from fastapi import APIRouter, FastAPI
 from fastapi.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
 
-from server.api import config, health, operate, problems, push, recordings, replay, sessions, stream
+from server.api import config, health, motions, operate, problems, push, recordings, replay, sessions, stream
 from server.api.guard import Guard
 from server.engine.engine import Engine
 from server.library import Library
@@ -43,9 +43,10 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings) -
         lifespan=lifespan,
     )
     app.state.engine, app.state.hub, app.state.library = engine, hub, library
+    app.state.studies = settings.studies
     problems.install(app)
     api = APIRouter(prefix="/api/v1")
-    for part in (health, config, operate, replay, recordings, sessions, stream, push):
+    for part in (health, config, operate, replay, recordings, motions, sessions, stream, push):
         api.include_router(part.router)
     app.include_router(api)
     app.include_router(health.metrics_router(engine, hub))

@@ -26,6 +26,11 @@ def default_library() -> Path:
     return (Path(base) if base else Path.home() / ".local" / "share") / "greenhouse-teleop" / "recordings"
 
 
+def default_studies() -> Path:
+    """Where 'teleop study' keeps motions for the console: the folder studies beside the recordings."""
+    return default_library().with_name("studies")
+
+
 def bundled_recordings() -> Path:
     """The recordings that come with the project; read only."""
     return Path(__file__).resolve().parents[1] / "recordings"
@@ -85,6 +90,7 @@ class Settings(Section):
     loop: bool = Field(default=True, description="start a recorded source again at its end")
     record: bool = Field(default=False, description="record the session to the library")
     library: Path = Field(default_factory=default_library, description="folder of own recordings")
+    studies: Path = Field(default_factory=default_studies, description="folder of the motions of 'teleop study'")
     model: Path | None = Field(default=None, description="body model file; the shipped one by default")
     allowed_origins: tuple[str, ...] = Field(
         default=(), description="web origins beside the server's own that may connect"

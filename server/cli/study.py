@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from server.cli.study_play import play
+
 if TYPE_CHECKING:
     from robot_sim.studies.report import Progress
 
 study_app = typer.Typer(
     name="study",
-    help="Run one of the three arm studies: tables (CSV, Markdown), plots and the motion as MCAP.",
+    help="Run one of the three arm studies: tables (CSV, Markdown), plots and the motion as MCAP. The motion is also "
+    "kept where 'teleop serve' finds it (setting studies), for the console's page /motion.html.",
     no_args_is_help=True,
 )
+study_app.command()(play)
 
 Output = Annotated[Path, typer.Option("--output", "-o", help="Folder for report, tables, plots and motion.mcap.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of everything random; the same seed gives the same tables.")]
@@ -36,6 +40,25 @@ def progress_bar() -> Iterator[Progress]:
             bar.update(task, description=what, completed=done, total=total)
 
         yield show
+
+
+def _keep_motion(name: str, folder: Path) -> str:
+    """Copy the study's motion to where the server looks; what to do with it, in words."""
+    import shutil
+
+    from robot_sim.errors import RobotError
+    from server.settings import load_settings
+
+    kept = load_settings().studies
+    try:
+        kept.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(folder / "motion.mcap", kept / f"{name}.mcap")
+    except OSError as error:
+        raise RobotError(
+            f"the study is in {folder}, but its motion cannot be kept in {kept}: {error.strerror}; "
+            "name another folder in TELEOP_STUDIES"
+        ) from None
+    return f"watch it: 'teleop serve', then /motion.html?id={name}; or 'teleop study play {folder / 'motion.mcap'}'"
 
 
 def _trials(asked: int | None, full: int, quick: bool) -> int:
@@ -59,6 +82,7 @@ def grape(
         f"overlapping {r.overlapping_share:.1%} (source 93.3 %, 82.1 %)"
     )
     typer.echo(str(r.page))
+    typer.echo(_keep_motion("grape", output))
 
 
 @study_app.command()
@@ -78,6 +102,7 @@ def plantlet(
         f"least clearance to a bottle {r.clearance_m * 1e3:.1f} mm"
     )
     typer.echo(str(r.page))
+    typer.echo(_keep_motion("plantlet", output))
 
 
 @study_app.command()
@@ -91,3 +116,4 @@ def tomato(output: Output = Path("out/study_tomato"), seed: Seed = 0, quick: Qui
         f"fine grid: {r.fine.pockets} voids in {r.fine.samples:,} samples; {'; '.join(r.breaches) or 'no limit broken'}"
     )
     typer.echo(str(r.page))
+    typer.echo(_keep_motion("tomato", output))
