@@ -25,6 +25,11 @@ FLAGS = (
 )
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Browser tests come last: Playwright's event loop stays in this thread, where asyncio.run is then refused."""
+    items.sort(key=lambda item: item.path.is_relative_to(Path(__file__).parent))
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
@@ -71,6 +76,7 @@ def page(browser: Browser, server: ConsoleServer, logged: list[str]) -> Iterator
     page.on("pageerror", lambda error: logged.append(str(error)))
     page.goto(server.url)
     page.locator(".link[data-link=open]").wait_for(timeout=20_000)
+    page.locator(".banner[data-estop]").wait_for(timeout=20_000)  # a key means nothing before the first state
     yield page
     context.close()
     server.post("/estop/reset")
