@@ -14,6 +14,7 @@ from teleop.recording.rgbd_writer import RgbdFolderWriter
 from teleop.recording.writer import McapWriter
 from teleop.sources.base import Source
 
+_FILES = (".mcap", ".csv", ".mp4")
 _FOLDER_CONTENT = ("depth", "rgb", "depth.txt", "rgb.txt", "camera.json", "INDEX.txt")
 
 
@@ -87,7 +88,7 @@ def refuse_overwrite(output: Path, source: Source, force: bool) -> None:
         raise RecordingError(f"{output} is the source itself; choose another name")
     if not force:
         raise RecordingError(f"{output} exists already; add --force to replace it")
-    if output.suffix.lower() == ".mcap":
+    if output.suffix.lower() in _FILES:
         if output.is_dir():
             raise RecordingError(f"{output} is a folder; choose another name")
         return
