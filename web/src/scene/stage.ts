@@ -1,7 +1,9 @@
 /** Renderer, lights and camera of the 3-D view. World axes as the robot's: x along the row, y left, z up, metres.
  *
- * Draws only when something changed, at most 30 times a second, and never asks for a frame before the last one
- * is finished: on a machine without a GPU the picture slows down and nothing else does.
+ * Draws only when something changed and somebody sees it, at most 30 times a second, and never before the last
+ * picture is finished. WebGL draws on a canvas beside the page; finished pictures are copied to the one in the page.
+ * A canvas in the page would make every paint of the overlay wait for the picture being drawn: without a GPU that is
+ * tens of milliseconds.
  */
 
 import {
@@ -16,12 +18,15 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { cssColor } from "../dom";
+import { cssColor, h } from "../dom";
 import type { Hello, State } from "../wire";
 import { RobotModel } from "./robot";
 import { AISLE_HALF_WIDTH_M, type Scenery, buildScenery, disposeScenery } from "./scenery";
 
 const MIN_PERIOD_MS = 33;
+const SOFTWARE_PERIOD_MS = 80;
+/** How often a picture being drawn is asked whether it is finished. */
+const POLL_MS = 8;
 /** Drawing by the processor takes its time from tracking and simulation: rest four times as long as a picture takes. */
 const SOFTWARE_REST = 4;
 const SOFTWARE_PIXEL_RATIO = 0.75;
@@ -41,6 +46,7 @@ export class Stage {
   follow = true;
   private readonly renderer: WebGLRenderer;
   private readonly gl: WebGL2RenderingContext;
+  private readonly shown = h("canvas", { class: "scene-canvas" });
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(42, 1, 0.05, 60);
   private readonly controls: OrbitControls;
@@ -51,6 +57,8 @@ export class Stage {
   private scheduled = false;
   private drawn_ms = -Infinity;
   private readonly rest: number;
+  private readonly period_ms: number;
+  private visible = true;
   private fence: WebGLSync | null = null;
   private fenced_ms = 0;
   private finished_ms = -Infinity;
@@ -66,13 +74,17 @@ export class Stage {
   ) {
     const software = drawnBySoftware();
     this.rest = software ? SOFTWARE_REST : 0;
-    this.renderer = new WebGLRenderer({ antialias: !software, powerPreference: "high-performance" });
+    this.period_ms = software ? SOFTWARE_PERIOD_MS : MIN_PERIOD_MS;
+    this.renderer = new WebGLRenderer({
+      antialias: !software,
+      powerPreference: "high-performance",
+      preserveDrawingBuffer: true,
+    });
     this.renderer.setPixelRatio(software ? SOFTWARE_PIXEL_RATIO : Math.min(window.devicePixelRatio, 2));
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
-    this.renderer.domElement.className = "scene-canvas";
-    box.prepend(this.renderer.domElement);
+    box.prepend(this.shown);
     this.camera.up.set(0, 0, 1);
-    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls = new OrbitControls(this.camera, this.shown);
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.minDistance = 0.6;
     this.controls.maxDistance = 12;
@@ -84,6 +96,8 @@ export class Stage {
     sun.position.set(3, -4, 8);
     this.scene.add(sun, new HemisphereLight(0xe8f4ee, 0x3a4a40, 1.5), new AmbientLight(0xffffff, 0.25));
     new ResizeObserver(() => this.resize()).observe(box);
+    new IntersectionObserver((entries) => this.see(entries.at(-1)?.isIntersecting ?? true)).observe(box);
+    document.addEventListener("visibilitychange", () => this.invalidate());
     this.restyle();
     this.home();
     this.resize();
@@ -149,6 +163,13 @@ export class Stage {
     this.invalidate();
   }
 
+  private copy(): void {
+    const picture = this.renderer.domElement;
+    if (this.shown.width !== picture.width) this.shown.width = picture.width;
+    if (this.shown.height !== picture.height) this.shown.height = picture.height;
+    this.shown.getContext("2d", { alpha: false })?.drawImage(picture, 0, 0);
+  }
+
   /** At most twice a second, and whenever there is more or less to draw. */
   private tell(now_ms: number): void {
     const { triangles } = this.renderer.info.render;
@@ -158,22 +179,39 @@ export class Stage {
     this.report(triangles, this.cost_ms);
   }
 
+  private see(visible: boolean): void {
+    this.visible = visible;
+    if (visible) this.invalidate();
+  }
+
   private invalidate(): void {
     this.wanted = true;
     if (this.scheduled) return;
     this.scheduled = true;
-    requestAnimationFrame(this.tick);
+    this.later(0);
   }
 
-  private readonly tick = (now_ms: number): void => {
-    const early = now_ms - this.drawn_ms < MIN_PERIOD_MS - 4 || now_ms - this.finished_ms < this.rest * this.cost_ms;
-    const finished = this.finished(now_ms);
-    if (finished && !this.wanted) {
+  /** A task of its own, never inside an animation frame: there the overlay is painted. */
+  private later(wait_ms: number): void {
+    window.setTimeout(this.tick, wait_ms);
+  }
+
+  private readonly tick = (): void => {
+    const now_ms = performance.now();
+    if (!this.finished(now_ms)) {
+      this.later(POLL_MS);
+      return;
+    }
+    if (!this.wanted || document.hidden || !this.visible) {
       this.scheduled = false;
       return;
     }
-    requestAnimationFrame(this.tick);
-    if (early || !finished) return;
+    const due_ms = Math.max(this.drawn_ms + this.period_ms, this.finished_ms + this.rest * this.cost_ms);
+    if (now_ms < due_ms) {
+      this.later(due_ms - now_ms);
+      return;
+    }
+    this.later(POLL_MS);
     this.wanted = false;
     this.drawn_ms = now_ms;
     this.renderer.render(this.scene, this.camera);
@@ -193,6 +231,7 @@ export class Stage {
     // The first picture compiles the shaders; it says nothing about the next ones.
     if (this.compiled) this.cost_ms += 0.2 * (spent_ms - this.cost_ms);
     this.compiled = true;
+    this.copy();
     this.tell(now_ms);
     return true;
   }
