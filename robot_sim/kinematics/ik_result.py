@@ -35,6 +35,10 @@ def singular_names(bits: int) -> tuple[str, ...]:
     return tuple(word for bit, word in named if bits & bit)
 
 
+SINGULAR_WORDS: tuple[tuple[str, ...], ...] = tuple(singular_names(bits) for bits in range(8))
+"""The same for every value of the flag."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class IkResult:
     """All solutions of one pose.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,7 @@ from numba import njit
 
 from robot_sim.errors import RobotError
 from robot_sim.kinematics.chain import Joint
-from robot_sim.kinematics.closed_form import ClosedFormArm
+from robot_sim.kinematics.closed_form import ClosedFormArm, OneAnswer, answer, last_link
 from robot_sim.kinematics.dh import DhRow, modified_dh
 from robot_sim.kinematics.transforms import FloatArray
 
@@ -86,6 +87,25 @@ def _roots(
                     b += 1
 
 
+@njit(cache=True, nogil=True)
+def _solve_one(
+    T_base_tool: np.ndarray,
+    T_tool_last: np.ndarray,
+    fixed: np.ndarray,
+    slides: np.ndarray,
+    lengths: np.ndarray,
+    ref: np.ndarray,
+    limits: np.ndarray,
+    tolerance: np.ndarray,
+) -> OneAnswer | None:
+    """One pose (4, 4) from check to answer."""
+    T, q, singular = np.empty((1, 4, 4)), np.empty((1, 8, 6)), np.zeros(1, np.int8)
+    if not last_link(T_base_tool, T_tool_last, T):
+        return None
+    _roots(T, lengths[0], lengths[1], lengths[2], lengths[3], ref, q, singular)
+    return answer(fixed, slides, T_base_tool, ref, limits, tolerance, q, singular)
+
+
 @dataclass(frozen=True, eq=False)
 class SphericalWristArm(ClosedFormArm):
     """Six revolute joints, the last three meeting in one point. Lengths in m."""
@@ -117,6 +137,23 @@ class SphericalWristArm(ClosedFormArm):
         q, singular = np.empty((len(T_base_last), 8, 6)), np.zeros(len(T_base_last), np.int8)
         _roots(T_base_last, self.a1_m, self.a2_m, self.a3_m, self.d4_m, ref, q, singular)
         return q, singular
+
+    def _solve(self, T_base_tool: FloatArray, ref: FloatArray) -> OneAnswer | None:
+        found: OneAnswer | None = _solve_one(
+            T_base_tool,
+            self._T_tool_last,
+            self.chain.fixed,
+            self._slides,
+            self._lengths,
+            ref,
+            self._limits,
+            self._tolerance,
+        )
+        return found
+
+    @cached_property
+    def _lengths(self) -> FloatArray:
+        return np.array((self.a1_m, self.a2_m, self.a3_m, self.d4_m))
 
     def _describe(self, T_base_last: FloatArray) -> str:
         p = T_base_last[:3, 3]
