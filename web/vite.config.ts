@@ -9,6 +9,7 @@ export default defineConfig({
     emptyOutDir: true,
     target: "es2022",
     chunkSizeWarningLimit: 900,
+    rollupOptions: { input: ["index.html", "motion.html"] },
   },
   // `npm run dev` shows the sources against a running `teleop serve`.
   // The server takes commands from its own origin only, so the proxy speaks in its name.

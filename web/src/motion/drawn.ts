@@ -53,7 +53,12 @@ function scaleOf(item: SceneryItem): Vector3 {
 /** One instanced mesh for each kind and opacity. */
 export function buildVolumes(items: readonly SceneryItem[]): Group {
   const group = new Group();
-  for (const batch of Map.groupBy(items, (item) => `${item.kind} ${item.rgba[3]}`).values()) {
+  const batches = new Map<string, SceneryItem[]>();
+  for (const item of items) {
+    const key = `${item.kind} ${item.rgba[3]}`;
+    batches.set(key, [...(batches.get(key) ?? []), item]);
+  }
+  for (const batch of batches.values()) {
     const [first] = batch;
     if (!first) continue;
     const opacity = first.rgba[3];
