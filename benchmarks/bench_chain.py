@@ -26,7 +26,7 @@ from websockets.sync.client import connect
 from teleop.data import data_root
 
 _SESSION = Path("build/bench_640x480.mcap")
-_CHROMIUM_FLAGS = [
+CHROMIUM_FLAGS = [
     "--no-sandbox",
     "--disable-gpu",
     "--use-gl=angle",
@@ -90,13 +90,17 @@ def listen(port: int, seconds: float) -> None:
                 stream.send(json.dumps({"type": "painted", "seq": state["seq"]}))
 
 
+def chromium() -> str | None:
+    """The Chromium to drive, or None."""
+    return os.environ.get("CHROMIUM") or shutil.which("chromium")
+
+
 def browse(port: int, seconds: float) -> None:
     """The real console for a while."""
     from playwright.sync_api import sync_playwright
 
-    path = os.environ.get("CHROMIUM") or shutil.which("chromium")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=_CHROMIUM_FLAGS)
+        browser = playwright.chromium.launch(executable_path=chromium(), args=CHROMIUM_FLAGS)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         page.goto(f"http://127.0.0.1:{port}/")
         page.wait_for_timeout(seconds * 1e3)
@@ -108,7 +112,7 @@ def main(seconds: float = 40.0) -> None:
     out = Console()
     source = session()
     for name, client in (("websocket client", listen), ("console in headless Chromium", browse)):
-        if client is browse and not (os.environ.get("CHROMIUM") or shutil.which("chromium")):
+        if client is browse and chromium() is None:
             out.print("no Chromium on this system: console not measured")
             continue
         with server(source) as (port, process):
