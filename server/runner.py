@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 import signal
 import socket
 from collections.abc import Callable
@@ -12,6 +13,7 @@ import uvicorn
 from server.errors import ServerError
 from server.settings import Settings
 
+_log = logging.getLogger(__name__)
 Tell = Callable[[str], None]
 _SEND_BUFFER = 1 << 18
 """Bytes the kernel holds back for one slow client; more would only be old pictures."""
@@ -55,6 +57,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     from server.stream.hub import Hub
     from teleop.body.model import load_model
     from teleop.body.tracker import BodyTracker
+    from teleop.recording.repair import repair_folder
     from teleop.sources import open_source
 
     waits_for_sender = settings.source.lower().startswith("push:")
@@ -67,6 +70,8 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
         world = World(settings.robot)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
+    for line in repair_folder(settings.library):
+        _log.warning(line)
     engine = Engine(settings, tracker, world, hub)
     engine.start()
     try:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -10,7 +12,10 @@ from teleop.errors import RecordingError
 
 
 class OutputFile:
-    """A new binary file that keeps its first error (disk full, pulled drive) instead of losing it."""
+    """A new binary file that keeps its first error (disk full, pulled drive) instead of losing it.
+
+    It is locked while it is open, so that nobody repairs what is only unfinished; a killed process loses its lock.
+    """
 
     def __init__(self, path: Path) -> None:
         """Create ``path``. Raises RecordingError when it exists already or cannot be created."""
@@ -21,6 +26,9 @@ class OutputFile:
         except OSError as error:
             raise RecordingError(f"cannot create {path}: {error.strerror or error}") from None
         self.error: OSError | None = None
+        # not every file system can lock, and a recording without its lock is better than none
+        with suppress(OSError):
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def write(self, data: bytes | bytearray) -> int:
         """Append bytes at the current position."""
@@ -54,3 +62,13 @@ class OutputFile:
             self._file.close()
         except OSError as error:
             self.error = self.error or error
+
+
+def is_being_written(path: Path) -> bool:
+    """Whether some process has the recording open for writing."""
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
 
 from teleop.errors import RecordingError
 from teleop.recording.mcap_file import McapFile
+from teleop.recording.mcap_scan import MAGIC
+from teleop.recording.output import is_being_written
 from teleop.recording.writer import CHUNK_BYTES
 
 
@@ -17,6 +20,8 @@ def repair(path: Path) -> int:
     Returns the number of messages saved, 0 when there was nothing to do. Raises RecordingError; then the file is as
     it was.
     """
+    if path.is_file() and is_being_written(path):
+        raise RecordingError(f"{path} is being written now; repair it when that has ended")
     file = McapFile(path)
     partial = path.with_name(path.name + ".partial")
     try:
@@ -32,6 +37,26 @@ def repair(path: Path) -> int:
         file.close()
         partial.unlink(missing_ok=True)
     return count
+
+
+def repair_folder(folder: Path) -> Iterator[str]:
+    """Make every recording of a folder that a crash cut off whole again; one line of report for each.
+
+    Whole recordings are only looked at their ends, those being written are left alone.
+    """
+    for path in sorted(folder.glob("*.mcap")):
+        try:
+            if not path.is_file() or _has_its_end(path) or is_being_written(path):
+                continue
+            yield f"{path.name} was cut off: {repair(path)} messages saved"
+        except (RecordingError, OSError) as error:
+            yield f"{path.name} was cut off and cannot be repaired: {error}"
+
+
+def _has_its_end(path: Path) -> bool:
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - len(MAGIC)))
+        return file.read() == MAGIC
 
 
 def _copy(file: McapFile, output: Path) -> int:

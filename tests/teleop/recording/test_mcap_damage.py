@@ -24,7 +24,7 @@ from recording_frames import PERIOD_NS, camera, frames
 from teleop.errors import RecordingError
 from teleop.frames import DepthFrame
 from teleop.recording import McapSource, McapWriter, topics
-from teleop.recording.repair import repair
+from teleop.recording.repair import repair, repair_folder
 
 
 @pytest.fixture(scope="module")
@@ -266,3 +266,23 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         writer.write_metadata("teleop", {"format_version": "99"})
     with pytest.raises(RecordingError, match="format version 99"):
         McapSource(tmp_path / "new.mcap")
+
+
+def test_a_folder_is_repaired_but_not_what_is_being_written(whole: bytes, tmp_path: Path) -> None:
+    (tmp_path / "whole.mcap").write_bytes(whole)
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) * 2 // 3])
+    (tmp_path / "stub.mcap").write_bytes(whole[:60])
+    (tmp_path / "notes.txt").write_text("no recording")
+    with McapWriter(tmp_path / "open.mcap", camera(), source_uri="x") as writer:
+        for frame in frames(40):
+            writer.write_frame(frame)
+        with pytest.raises(RecordingError, match="being written now"):
+            repair(tmp_path / "open.mcap")
+        lines = list(repair_folder(tmp_path))
+    assert [line.split()[0] for line in lines] == ["cut.mcap", "stub.mcap"]
+    assert "messages saved" in lines[0] and "cannot be repaired" in lines[1]
+    assert McapSource(tmp_path / "cut.mcap").truncated is None
+    assert (tmp_path / "whole.mcap").read_bytes() == whole and (tmp_path / "stub.mcap").read_bytes() == whole[:60]
+    assert len(read_all(tmp_path / "open.mcap")) == 40
+    assert len(list(repair_folder(tmp_path))) == 1, "only the stub is left"
+    assert list(repair_folder(tmp_path / "missing")) == []
