@@ -4,7 +4,7 @@
  */
 
 import { Attribute, Text, h, s } from "../dom";
-import { type Key, t, translated } from "../i18n";
+import { type Key, t, titled, translated } from "../i18n";
 import { type Panel, frame } from "../panel";
 import type { Hello, State, Zone, ZoneInfo } from "../wire";
 
@@ -14,11 +14,10 @@ const HALF_WIDTH_M = 1.32;
 
 export class FloorPanel implements Panel {
   readonly element: HTMLElement;
-  private readonly map = s("svg", {
-    class: "floor-map",
-    viewBox: `${-HALF_WIDTH_M} -0.12 ${2 * HALF_WIDTH_M} ${FAR_M + 0.12}`,
-    role: "img",
-  });
+  private readonly map = titled(
+    s("svg", { class: "floor-map", viewBox: `${-HALF_WIDTH_M} -0.12 ${2 * HALF_WIDTH_M} ${FAR_M + 0.12}`, role: "img" }),
+    "panel.floor",
+  );
   private readonly areas = new Map<Zone, SVGElement>();
   private readonly margin = s("rect", { class: "floor-margin", visibility: "hidden" });
   private readonly trail = s("polyline", { class: "floor-trail" });
