@@ -52,7 +52,14 @@ def recorded_settings(source: McapSource) -> Settings:
         tree = json.loads(text)
     except ValueError as error:
         raise RecordingError(f"{source.path}: metadata '{topics.KEY_SETTINGS}' is damaged: {error}") from None
-    return changed(Settings(), tree)
+    return laid_over(Settings(), tree)
+
+
+def laid_over(settings: Settings, tree: Any) -> Settings:
+    """Settings with a recorded tree laid over them. Raises RecordingError and SettingsError."""
+    if not isinstance(tree, dict):
+        raise RecordingError(f"the recorded settings are damaged: expected a tree, got {str(tree)[:40]}")
+    return changed(settings, tree)
 
 
 def unlike(source: McapSource, model: BodyModel) -> list[str]:
@@ -110,9 +117,9 @@ def again(source: McapSource, model: BodyModel, settings: Settings, *, follow_se
         for _, row in source.rows(topics.INPUTS):
             if "settings" in row:
                 if follow_settings:
-                    core.configure(changed(settings, row["settings"]))
+                    core.configure(laid_over(settings, row["settings"]))
                 continue
-            step = _Step(row)
+            step = RecordedStep(row)
             frame = frames.at(step.frame_t_ns) if step.stored and step.frame_t_ns is not None else last
             if step.frame_t_ns is not None and frame is None:
                 return
@@ -124,17 +131,17 @@ def again(source: McapSource, model: BodyModel, settings: Settings, *, follow_se
         world.close()
 
 
-class _Step:
+class RecordedStep:
     """One row of /teleop/inputs."""
 
     def __init__(self, row: Mapping[str, Any]) -> None:
         """Raises RecordingError when the row lacks something or holds another type."""
         self.inputs = inputs_from_json(row)
         try:
-            self.now_s, self.speed = float(row["now_s"]), float(row["speed"])
+            self.now_s, self.speed = _finite(row["now_s"]), _finite(row["speed"])
             self.live, self.latched, self.stored = bool(row["live"]), bool(row["latched"]), bool(row["stored"])
-            self.received_s = math.nan if row["received_s"] is None else float(row["received_s"])
             self.frame_t_ns = None if not row["frame"] else int(row["frame_t_ns"])
+            self.received_s = 0.0 if self.frame_t_ns is None else _finite(row["received_s"])
         except (KeyError, TypeError, ValueError) as error:
             raise RecordingError(f"a row of /teleop/inputs cannot be read: {error!r}") from None
 
@@ -156,6 +163,13 @@ class _Step:
         # a frame whose stamp was refused is known by its stamp alone; its picture was not looked at
         frame = replace(frame, t_ns=self.frame_t_ns)
         return core.on_frame(Arrived(frame, self.received_s, 0.0), self.live, self.speed)
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(f"expected a number, got {value}")
+    return number
 
 
 def _robot(moment: Moment) -> dict[str, Any]:

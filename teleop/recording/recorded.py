@@ -41,6 +41,7 @@ class RecordedAnswers:
         self._source = source
         self._row_number = _numbers(source, topics.TRACK)
         self._robot_number = _numbers(source, topics.JOINT_STATES)
+        self._transforms = _numbers(source, topics.TF)
 
     def at(self, t_ns: int) -> dict[str, Any] | None:
         """The tracking row, with ``robot`` (joint name -> rad or m) and ``base`` added; None if there is none."""
@@ -49,7 +50,11 @@ class RecordedAnswers:
             return None
         row = self._source.row(topics.TRACK, row_number)
         joints = self._source.file.message(topics.JOINT_STATES, number).joints
-        pose = self._source.file.message(topics.TF, number).transforms[0]
+        moves = self._transforms.get(t_ns)
+        found = [] if moves is None else self._source.file.message(topics.TF, moves).transforms
+        if not found:
+            return None
+        pose = found[0]
         move, turn = pose.translation, pose.rotation
         base = {"x": move.x, "y": move.y, "qz": turn.z, "qw": turn.w}
         return row | {"robot": {joint.name: joint.position for joint in joints}, "base": base}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,19 +14,20 @@ from live_server import frames, tracker
 from robot_sim.world import World
 from server.cli.record_run import RecordOptions, record_session
 from server.cli.replay import lines
-from server.cli.replay_run import compare, unlike
+from server.cli.replay_run import RecordedStep, compare, recorded_settings, unlike
 from server.engine.core import Core
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
 from server.engine.recording import SessionRecorder, describe
 from server.settings import Settings, bundled_recordings, changed
 from teleop.body.model import load_model
-from teleop.errors import RecordingError
-from teleop.inputs import RobotRequest
+from teleop.errors import RecordingError, TeleopError
+from teleop.inputs import Inputs, RobotRequest
 from teleop.intent_types import Event, Mode
 from teleop.reasons import Reason
-from teleop.recording import McapSource, topics
+from teleop.recording import McapSource, McapWriter, topics
 from teleop.recording.comparison import Comparison
+from teleop.recording.inputs_json import inputs_to_json
 from teleop.sources import open_source
 from teleop.sources.base import SourceInfo
 from teleop.sources.jpeg import through_jpeg
@@ -134,3 +136,26 @@ def test_a_comparison_is_plain_json(recording: Path) -> None:
     found = Comparison()
     found.add(0, {"a": 1.0}, {"a": 1.0000000000000002})
     assert not found.identical and json.loads(json.dumps(asdict(found.groups["a"])))["frames"] == 1
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [{"now_s": None}, {"now_s": "soon"}, {"speed": math.inf}, {"received_s": None}, {"frame_t_ns": []}, {"engage": 3}],
+)
+def test_a_damaged_row_of_inputs_is_one_error(damage: dict[str, Any]) -> None:
+    row = inputs_to_json(Inputs()) | {"now_s": 1.0, "speed": 1.0, "live": False, "latched": False, "stored": True}
+    row |= {"frame": True, "frame_t_ns": 5, "received_s": 1.0}
+    assert RecordedStep(row).frame_t_ns == 5
+    with pytest.raises(RecordingError, match="/teleop/inputs cannot be read"):
+        RecordedStep(row | damage)
+
+
+@pytest.mark.parametrize("text", ["[1]", "{", '{"teleop": 5}', '{"unheard": {}}'])
+def test_damaged_settings_are_one_error(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "a.mcap"
+    with McapWriter(path, frames()[0].camera, source_uri="x", metadata={topics.KEY_SETTINGS: text}) as writer:
+        writer.write_frame(frames()[0])
+    source = McapSource(path)
+    with pytest.raises(TeleopError):
+        recorded_settings(source)
+    source.close()
