@@ -166,4 +166,4 @@ def _read_toml(path: Path) -> dict[str, Any]:
     except FileNotFoundError:
         raise SettingsError(f"no configuration file {path}; give the path of a TOML file to --config") from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise SettingsError(f"{path}: {error}; it must be a TOML file, see the configuration page") from error
+        raise SettingsError(f"{path}: {error}; it must be a TOML file") from error

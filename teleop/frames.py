@@ -116,7 +116,7 @@ class DepthFrame:
     @property
     def t_s(self) -> float:
         """The time stamp in seconds."""
-        return self.t_ns * 1e-9
+        return self.t_ns / 1e9
 
     def without_color(self) -> DepthFrame:
         """The same frame with the colour dropped (privacy)."""

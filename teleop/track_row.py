@@ -56,7 +56,7 @@ def track_row(track: Track, intent: Intent, command: RobotCommand) -> dict[str, 
     """The row as the architecture fixes it: JSON types only, never NaN, null where there is no answer."""
     joints, confidence = joints_row(track)
     return {
-        "t": track.t_ns * 1e-9,
+        "t": track.t_ns / 1e9,
         "joints": joints,
         "confidence": confidence,
         "angles": angles_row(intent.angles),

@@ -7,17 +7,25 @@ Exit codes: 0 ok, 1 failed, 2 wrong usage. Errors a user can cause are one line 
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import typer
 
 from server.cli.convert import convert
 from server.cli.doctor import doctor
 from server.cli.evaluate import evaluate
+from server.cli.export import export
 from server.cli.info import info
+from server.cli.push import push
+from server.cli.record import record
+from server.cli.replay import replay
 from server.cli.serve import serve
 from server.cli.study import study_app
 from server.cli.track import track
 from server.cli.train import train
+
+_UsageError: Any = typer.BadParameter.__mro__[1]
+"""The base of all wrong usage; typer exports only its most common case."""
 
 app = typer.Typer(
     name="teleop",
@@ -26,7 +34,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (serve, track, info, convert, doctor, train, evaluate):
+for command in (serve, track, record, replay, push, convert, export, info, doctor, train, evaluate):
     app.command()(command)
 app.add_typer(study_app, name="study")
 
@@ -37,10 +45,15 @@ def main() -> None:
     from teleop.errors import TeleopError
 
     try:
-        app()
+        sys.exit(app(standalone_mode=False))
     except (TeleopError, RobotError) as error:
         print(f"teleop: {error}", file=sys.stderr)
         sys.exit(1)
-    except KeyboardInterrupt:
+    except _UsageError as error:
+        command = error.ctx.command_path if error.ctx else "teleop"
+        if message := error.format_message().rstrip("."):  # empty: the help is already on the screen
+            print(f"teleop: {message}; see {command} --help", file=sys.stderr)
+        sys.exit(2)
+    except (KeyboardInterrupt, typer.Abort):
         print("teleop: interrupted", file=sys.stderr)
         sys.exit(130)

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 import time
-import tomllib
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 import numpy as np
-from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from server.settings import load_settings
 from teleop.body.model import load_model
 from teleop.body.tracker import BodyTracker
 from teleop.config import TeleopConfig
@@ -48,18 +47,8 @@ class Summary:
 
 
 def load_config(path: Path | None, no_filter: bool) -> TeleopConfig:
-    """The configuration tree from a TOML file, or the defaults. Raises TeleopError with the first wrong value."""
-    try:
-        tree = {} if path is None else tomllib.loads(path.read_text(encoding="utf-8"))
-        config = TeleopConfig.model_validate(tree)
-    except OSError as error:
-        raise TeleopError(f"configuration {path}: {error.strerror}; give an existing TOML file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise TeleopError(f"configuration {path} is not TOML: {error}") from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise TeleopError(f"configuration {path}: {where}: {first['msg']} (got {first['input']!r})") from error
+    """The settings' [teleop] tree, as the server reads it. Raises SettingsError with the first wrong value."""
+    config = load_settings(path).teleop
     if not no_filter:
         return config
     unfiltered = config.body.filter.model_copy(update={"enabled": False})
@@ -77,9 +66,36 @@ def rows(source: Source, pipeline: Pipeline, times_ms: list[float]) -> Iterator[
         yield row
 
 
-def _write(file: TextIO, row: dict[str, object]) -> None:
-    # one write per line, so that an interrupted file ends with a whole row
-    file.write(json.dumps(row, allow_nan=False, separators=(",", ":")) + "\n")
+def refuse_source_as_output(uri: str, output: Path) -> None:
+    """Raises TeleopError when writing the output would destroy the source, or part of it."""
+    source = Path(uri)
+    if not source.exists():
+        return
+    if source.resolve() in (output.resolve(), *output.resolve().parents):
+        raise TeleopError(f"{output} is the source itself or lies in it; choose another --output")
+
+
+@contextmanager
+def whole_rows(output: Path) -> Iterator[TextIO]:
+    """A text file that takes its name once it holds rows: an older one is kept until then.
+
+    Rows written before an interruption or a fault stay. Raises TeleopError when it cannot be written.
+    """
+    part = output.with_name(f".{output.name}.part")
+    direct = output.exists() and not output.is_file()  # a pipe or a terminal cannot be renamed to
+    try:
+        # one write per line, so that an interrupted file ends with a whole row
+        file = (output if direct else part).open("w", encoding="utf-8", buffering=1)
+    except OSError as error:
+        raise TeleopError(f"cannot write {output}: {error.strerror}; choose another --output") from error
+    try:
+        with file:
+            yield file
+    finally:
+        if not direct and part.stat().st_size > 0:
+            part.replace(output)
+        elif not direct:
+            part.unlink()
 
 
 def run_track(uri: str, output: Path, config: TeleopConfig, console: Console) -> Summary:
@@ -89,6 +105,9 @@ def run_track(uri: str, output: Path, config: TeleopConfig, console: Console) ->
     """
     if not output.parent.is_dir():
         raise TeleopError(f"cannot write {output}: its folder does not exist; choose another --output")
+    if output.is_dir():
+        raise TeleopError(f"cannot write {output}: it is a folder; name a file, such as {output / 'rows.jsonl'}")
+    refuse_source_as_output(uri, output)
     with closing(open_source(uri)) as source:
         pipeline = Pipeline(BodyTracker(load_model(), config.body), config)
         with console.status("compiling kernels"):
@@ -96,14 +115,10 @@ def run_track(uri: str, output: Path, config: TeleopConfig, console: Console) ->
         times_ms: list[float] = []
         persons = 0
         columns = (TextColumn("tracking"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        try:
-            file = output.open("w", encoding="utf-8", buffering=1)
-        except OSError as error:
-            raise TeleopError(f"cannot write {output}: {error.strerror}; choose another --output") from error
-        with file, Progress(*columns, console=console, transient=True) as progress:
+        with whole_rows(output) as file, Progress(*columns, console=console, transient=True) as progress:
             bar = progress.add_task("tracking", total=source.info.frame_count)
             for row in rows(source, pipeline, times_ms):
-                _write(file, row)
+                file.write(json.dumps(row, allow_nan=False, separators=(",", ":")) + "\n")
                 persons += any(row["joints"].values())  # type: ignore[attr-defined]
                 progress.advance(bar)
     if not times_ms:

@@ -62,18 +62,20 @@ def test_one_valid_row_per_frame_in_order(piece: Path, tmp_path: Path, options: 
         (("track", "foo:bar", "--output", "{tmp}/x.jsonl"), 1, "legal are"),
         (("track", "{piece}", "--output", "{tmp}/none/x.jsonl"), 1, "choose another --output"),
         (("track", "{piece}", "--output", "{tmp}/x.jsonl", "--config", "{tmp}/bad.toml"), 1, "less than or equal to 5"),
-        (("track", "{piece}", "--output", "{tmp}/x.jsonl", "--config", "{tmp}/none.toml"), 1, "existing TOML file"),
+        (("track", "{piece}", "--output", "{tmp}/x.jsonl", "--config", "{tmp}/none.toml"), 1, "no configuration file"),
+        (("track", "{piece}", "--output", "{piece}"), 1, "the source itself"),
+        (("track", "{piece}", "--output", "{tmp}"), 1, "a folder"),
         (("track", "{piece}"), 2, "--output"),
+        (("track", "{piece}", "--output", "{tmp}/x.jsonl", "--colour"), 2, "--colour"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(
     piece: Path, tmp_path: Path, arguments: tuple[str, ...], code: int, words: str
 ) -> None:
-    (tmp_path / "bad.toml").write_text("[intent.zones]\nl1_m = 99\n")
+    (tmp_path / "bad.toml").write_text("[teleop.intent.zones]\nl1_m = 99\n")
     run = teleop(*(argument.format(tmp=tmp_path, piece=piece) for argument in arguments))
     assert run.returncode == code
     assert words in run.stderr
     assert "Traceback" not in run.stderr
-    if code == 1:
-        assert len(run.stderr.strip().splitlines()) == 1
+    assert len(run.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "x.jsonl").exists()
