@@ -14,6 +14,8 @@ from teleop.config.base import Section
 class Tolerance(Section):
     """How far a replay may be off when it does not run on the very same version, model and processor."""
 
+    t: float = Field(default=1e-6, ge=0.0, description="time of the frame [s]; rounding only")
+    confidence: float = Field(default=0.1, ge=0.0, description="confidence of a joint, 0..1")
     joints: float = Field(default=0.02, ge=0.0, description="joint positions [m]; a third of the tracker's own error")
     angles: float = Field(default=3.0, ge=0.0, description="continuous arm angles [deg]; a fifth of one step of 15")
     command: float = Field(default=5.0, ge=0.0, description="angles told to the robot [deg]; a third of one step")
