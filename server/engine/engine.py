@@ -82,7 +82,7 @@ class Engine(threading.Thread):
 
     @property
     def dropped(self) -> int:
-        """Frames that a newer one replaced before the engine took them."""
+        """Frames of a live source, or of a racing replay, that a newer one replaced before the engine took them."""
         return self._mailbox.dropped
 
     def hello(self) -> wire.Hello:

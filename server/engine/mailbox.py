@@ -1,8 +1,9 @@
-"""One slot between the source's thread and the engine's: the newest frame wins, the older one is counted as dropped."""
+"""One slot between the source's thread and the engine's: live frames replace each other, recorded ones wait."""
 
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from teleop.frames import DepthFrame
@@ -39,22 +40,32 @@ class Mailbox:
                 if self._slot.restarted and not arrived.restarted:
                     arrived = Arrived(arrived.frame, arrived.received_s, arrived.position_s, restarted=True)
             self._slot = arrived
-            self._ready.notify()
+            self._ready.notify_all()
+
+    def hand_over(self, arrived: Arrived, given_up: Callable[[], bool]) -> None:
+        """Leave a frame that must not be lost: waits until the one before it is taken, or until it is given up."""
+        with self._ready:
+            self._ready.wait_for(lambda: self._slot is None or given_up())
+            if not given_up():
+                self._slot = arrived
+            self._ready.notify_all()
 
     def wake(self) -> None:
         """Make :meth:`take` return now."""
         with self._ready:
             self._woken = True
-            self._ready.notify()
+            self._ready.notify_all()
 
     def clear(self) -> None:
         """Forget a waiting frame (its source is gone)."""
         with self._ready:
             self._slot = None
+            self._ready.notify_all()
 
     def take(self, timeout_s: float) -> Arrived | None:
         """The newest frame; None after ``timeout_s`` or when woken."""
         with self._ready:
             self._ready.wait_for(lambda: self._slot is not None or self._woken, max(0.0, timeout_s))
             arrived, self._slot, self._woken = self._slot, None, False
+            self._ready.notify_all()
             return arrived

@@ -12,6 +12,8 @@ from enum import StrEnum
 from server.errors import Refused
 
 SPEED_RANGE = (0.1, 8.0)
+SLIP_S = 0.1
+"""A replay later than this goes on from where it is instead of catching up."""
 
 
 class Turn(StrEnum):
@@ -120,7 +122,7 @@ class Playback:
                 if self._show_one or wait_s <= 0.0:
                     self._show_one = False
                     self._state = replace(self._state, position_s=position_s)
-                    if -wait_s > 0.5:  # fell behind (slow disk, suspended machine): go on from here, do not race
+                    if -wait_s > SLIP_S:  # fell behind (busy or suspended machine): do not race
                         self._pace = Pace(self._clock(), position_s, self._state.speed)
                     return Turn.DELIVER
                 self._changed.wait(None if math.isinf(wait_s) else wait_s)

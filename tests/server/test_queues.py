@@ -1,6 +1,7 @@
 """Latest wins for frames and states; events are never lost."""
 
 import asyncio
+import threading
 
 from live_server import frames
 
@@ -17,6 +18,33 @@ def test_the_newest_frame_wins_and_a_restart_is_not_forgotten() -> None:
     assert taken is not None and taken.frame.seq == 1 and taken.restarted
     assert mailbox.dropped == 1
     assert mailbox.take(0.0) is None
+
+
+def test_a_recorded_frame_waits_until_the_one_before_it_is_taken() -> None:
+    mailbox = Mailbox()
+    mailbox.hand_over(Arrived(frames()[0], 1.0, 0.0), lambda: False)
+    late = threading.Thread(target=mailbox.hand_over, args=(Arrived(frames()[1], 1.0, 0.03), lambda: False))
+    late.start()
+    taken = []
+    while len(taken) < 2:
+        arrived = mailbox.take(5.0)
+        assert arrived is not None
+        taken.append(arrived.frame.seq)
+    late.join(5)
+    assert taken == [0, 1] and mailbox.dropped == 0
+
+
+def test_a_reader_that_is_stopped_does_not_wait_for_the_engine() -> None:
+    mailbox, stopped = Mailbox(), threading.Event()
+    mailbox.hand_over(Arrived(frames()[0], 1.0, 0.0), stopped.is_set)
+    waiting = threading.Thread(
+        target=mailbox.hand_over, args=(Arrived(frames()[1], 1.0, 0.03), stopped.is_set), daemon=True
+    )
+    waiting.start()
+    stopped.set()
+    mailbox.wake()
+    waiting.join(5)
+    assert not waiting.is_alive()
 
 
 def test_a_request_wakes_the_engine() -> None:
