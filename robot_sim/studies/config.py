@@ -125,4 +125,7 @@ class GrapeStudyConfig(RobotSection):
     spacing_m: float = Field(default=0.07, gt=0, le=0.5, description="key points at most this far apart [m]; choice")
     speed_m_s: float = Field(default=0.25, gt=0, le=2, description="tool speed between key points [m/s]; choice")
     check_m: float = Field(default=0.012, gt=0, le=0.1, description="collision checks along the way every [m]; choice")
+    press_m: float = Field(
+        default=0.004, ge=0, le=0.02, description="a carried bunch may press into its neighbour [m]; choice"
+    )
     close_m: float = Field(default=0.010, gt=0, le=0.1, description="the source's deviation limit [m]; source 5.2")

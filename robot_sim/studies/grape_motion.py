@@ -9,11 +9,10 @@ import numpy as np
 
 from robot_sim.arms.config import GrapeArmConfig
 from robot_sim.arms.rb03 import tool_values
-from robot_sim.kinematics import SphericalWristArm
 from robot_sim.kinematics.transforms import FloatArray
 from robot_sim.studies.config import GrapeStudyConfig
 from robot_sim.studies.grape_plan import PickPlan
-from robot_sim.trajectories import Trajectory, slowed_to_limits, via_points
+from robot_sim.trajectories import Trajectory
 
 STEP_S = 0.02
 CLOSE_S, HOLD_S, CUT_S = 0.8, 1.0, 0.5
@@ -28,18 +27,7 @@ class PickMotion:
     tool: FloatArray
 
 
-def smooth_leg(arm: SphericalWristArm, q: FloatArray, speed_m_s: float) -> Trajectory:
-    """Quintic via-point motion through joint key points (K, 6) at about the tool speed, inside the joint speeds."""
-    p = arm.chain.forward(q)[:, :3, 3]
-    way = np.linalg.norm(np.diff(p, axis=0), axis=1) / speed_m_s
-    turn = np.abs(np.diff(q, axis=0)).max(axis=1) / (0.5 * float(arm.chain.speed.min()))
-    t = np.concatenate([[0.0], np.cumsum(np.maximum(np.maximum(way, turn), 0.05))])
-    return slowed_to_limits(via_points(q, t), arm.chain.speed)
-
-
-def pick_motion(
-    arm: SphericalWristArm, config: GrapeArmConfig, study: GrapeStudyConfig, plan: PickPlan, tray_deg: float
-) -> PickMotion:
+def pick_motion(config: GrapeArmConfig, study: GrapeStudyConfig, plan: PickPlan, tray_deg: float) -> PickMotion:
     """Start -> ready -> picking point, clamp, hold, cut, back, -> basket, release."""
     a = plan.approach
     grip, tray = 2 * study.stem_radius_m, math.radians(tray_deg)
@@ -47,13 +35,13 @@ def pick_motion(
     carried, cut = tool_values(grip, tray, a.blade_rad), tool_values(grip, tray, 0.0)
     released = tool_values(config.opening_m, 0.0, 0.0)
     legs: list[tuple[Trajectory | None, FloatArray, FloatArray, float]] = [
-        (smooth_leg(arm, plan.out_q, study.speed_m_s), opened, opened, 0.0),
-        (smooth_leg(arm, plan.pick_q, study.speed_m_s / 2), opened, opened, 0.0),
+        (plan.legs.out, opened, opened, 0.0),
+        (plan.legs.pick, opened, opened, 0.0),
         (None, opened, clamped, CLOSE_S),
         (None, clamped, carried, HOLD_S),
         (None, carried, cut, CUT_S),
-        (smooth_leg(arm, plan.pick_q[::-1], study.speed_m_s / 2), cut, cut, 0.0),
-        (smooth_leg(arm, plan.basket_q, study.speed_m_s), cut, cut, 0.0),
+        (plan.legs.back, cut, cut, 0.0),
+        (plan.legs.basket, cut, cut, 0.0),
         (None, cut, released, HOLD_S),
     ]
     t_all, q_all, tool_all = [], [], []

@@ -14,9 +14,12 @@ from robot_sim.kinematics import SphericalWristArm
 from robot_sim.kinematics.transforms import FloatArray
 from robot_sim.planner import FieldConfig, PathReason, Scene, Solid, key_points, plan_path
 from robot_sim.studies.config import GrapeStudyConfig
+from robot_sim.studies.grape_legs import Legs, smooth_leg
 from robot_sim.studies.grape_scene import Bunch, GrapeScene
 from robot_sim.trajectories import DriveLine, follow_line
 
+AWAY_M = 0.03
+"""What a way out straight away from the neighbour is worth, in clearance."""
 YAWS_DEG = (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0)
 
 
@@ -40,7 +43,7 @@ class Approach:
 class PickPlan:
     """Joint key points of the legs: out (start -> ready), pick (ready -> picking point), basket (ready -> basket).
 
-    key_points_m: all key points of the tool on the whole pick (K, 3), the way back included.
+    key_points_m: all key points of the tool on the whole pick (K, 3), the way back included. legs: the motions.
     """
 
     approach: Approach
@@ -49,6 +52,7 @@ class PickPlan:
     basket_q: FloatArray
     key_points_m: FloatArray
     minima: int
+    legs: Legs
 
 
 def level_pose(p_m: FloatArray, yaw_rad: float) -> FloatArray:
@@ -111,8 +115,18 @@ def approaches(
                 clearance = float(scene.clearance(way, world, radii).min())
                 # a wide opening forgives the camera's error across, the yaw costs reach: both only break ties
                 worth = clearance + 0.05 * (opening - arm.opening_m) - 2e-5 * abs(yaw_deg)
+                worth += AWAY_M * min(0.5, _away(bunch, others, T[:2, 2]))
                 found.append((worth, Approach(k, yaw, height, opening, math.radians(blade_deg), clearance)))
     return [a for _, a in sorted(found, key=lambda f: -f[0])]
+
+
+def _away(bunch: Bunch, others: tuple[Solid, ...], heading: FloatArray) -> float:
+    """Cosine between the way back out, against the heading (2,), and the direction away from the nearest neighbour."""
+    apart = [bunch.top_m[:2] - other.centre[:2] for other in others]
+    if not apart:
+        return 0.5
+    nearest = min(apart, key=lambda v: float(v @ v))
+    return -float(nearest @ heading) / max(1e-9, float(np.linalg.norm(nearest)))
 
 
 def _nearest(arm: SphericalWristArm, T: FloatArray, q: FloatArray) -> FloatArray | None:
@@ -158,11 +172,13 @@ def plan_pick(
     if _nearest(arm, level_pose(ready, approach.yaw_rad), q_start) is None or _nearest(arm, T_grip, q_start) is None:
         return "ik.ready"
 
-    def leg(a: FloatArray, b: FloatArray, through: Scene) -> tuple[FloatArray, int] | str:
-        result = plan_path(a, b, through, world, radii, field)
+    def leg(
+        a: FloatArray, b: FloatArray, through: Scene, body: tuple[FloatArray, FloatArray] = (world, radii)
+    ) -> tuple[FloatArray, int] | str:
+        result = plan_path(a, b, through, *body, field)
         if not result.ok:
             return "path.no_room" if result.reason is PathReason.GOAL_BLOCKED else str(result.reason)
-        points = key_points(result.points, through, world, radii, margin_m=field.margin_m, spacing_m=study.spacing_m)
+        points = key_points(result.points, through, *body, margin_m=field.margin_m, spacing_m=study.spacing_m)
         return points, result.minima
 
     pick = leg(ready, grip, scene)
@@ -181,16 +197,35 @@ def plan_pick(
         if followed.motion is None:
             return "ik.pick"
         pick_q += list(followed.motion.q[1:])
-    basket = leg(ready, np.array(study.basket_m), _without(scene, bunch))
+    rest, held = _without(scene, bunch), _carried_body(bunch, grip)
+    laden = (np.concatenate([world, held[0]]), np.concatenate([radii, held[1]]))
+    basket = leg(ready, np.array(study.basket_m), rest, laden)
+    if isinstance(basket, str):  # too tight for the volume as the planner sees it; the check of the motion decides
+        basket = leg(ready, np.array(study.basket_m), rest)
     if isinstance(basket, str):
         return basket
     basket_q = _joint_way(arm, basket[0], _turning(len(basket[0]), approach.yaw_rad, -math.pi / 2), out_q[-1])
     if basket_q is None:
         return "ik.basket"
     every = np.concatenate([out[0], pick[0][1:], pick[0][::-1][1:], basket[0][1:]])
-    return PickPlan(approach, out_q, np.array(pick_q), basket_q, every, out[1] + pick[1] + basket[1])
+    way_in, speed = np.array(pick_q), study.speed_m_s
+    legs = Legs(
+        smooth_leg(arm, out_q, speed),
+        smooth_leg(arm, way_in, speed / 2),
+        smooth_leg(arm, way_in[::-1], speed / 2),
+        smooth_leg(arm, basket_q, speed),
+    )
+    return PickPlan(approach, out_q, way_in, basket_q, every, out[1] + pick[1] + basket[1], legs)
 
 
 def _without(scene: Scene, bunch: Bunch) -> Scene:
     gone = bunch.volume
     return Scene(tuple(s for s in scene.solids if not np.allclose(s.centre, gone.centre)))
+
+
+def _carried_body(bunch: Bunch, grip_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The bunch under the fingers as spheres: centres (C, 3) from the gripping point in world axes, radii (C,)."""
+    v = bunch.volume
+    half = max(0.0, v.height_m / 2 - v.radius_m)
+    centres = np.array([v.centre + np.array([0.0, 0.0, z]) for z in np.linspace(-half, half, 4)])
+    return centres - grip_m, np.full(4, v.radius_m)

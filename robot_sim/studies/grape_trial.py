@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,8 +16,11 @@ from robot_sim.kinematics.transforms import FloatArray, inverse_pose
 from robot_sim.planner import FieldConfig
 from robot_sim.planner.key_points import path_length
 from robot_sim.studies.config import GrapeStudyConfig
+from robot_sim.studies.grape_carry import carried_hit, carried_volume_hit
+from robot_sim.studies.grape_legs import Legs, free_leg, swept_rows
 from robot_sim.studies.grape_plan import Approach, PickPlan, approaches, plan_pick
 from robot_sim.studies.grape_scene import GrapeScene
+from robot_sim.trajectories import Trajectory
 
 SELF_PAIRS = tuple(
     (tool, link)
@@ -132,24 +135,52 @@ def find_plan(at: PickWorld, seen: GrapeScene, height_m: float | None = None) ->
             reason = plan
             continue
         tries += 1
-        hits = _seen_hits(at, plan, names)
-        if not hits:
-            found = plan
+        legs, why = _checked_legs(at, plan, seen, names)
+        if not why:
+            found = replace(plan, legs=legs)
             break
-        reason = f"arm meets {hits[0].body.removeprefix('seen_')} ({hits[0].link})"
+        reason = why
     for name in names:
         at.world.remove_body(name)
     return found, reason, tries
 
 
-def _seen_hits(at: PickWorld, plan: PickPlan, names: tuple[str, ...]) -> list[Contact]:
-    """What the pick would touch in the seen scene, the tray's touch of the target bunch left out."""
-    a = plan.approach
+def _checked_legs(at: PickWorld, plan: PickPlan, seen: GrapeScene, names: tuple[str, ...]) -> tuple[Legs, str]:
+    """The pick's motions, each the smoothest that is free in the seen scene, and what the first bad one runs into.
+
+    The tray may touch bunches on the way back; the bunch it carries must not be pressed into the other one.
+    """
+    a, study = plan.approach, at.study
     tool = a.tool()
-    hits = at.sweep(plan.out_q, tool, names) or at.sweep(plan.pick_q, tool, names)
-    obstacles = [n for n in names if not n.startswith(("seen0", "seen1"))]
-    held = tool_values(2 * at.study.stem_radius_m, 0.6 * math.radians(at.arm_config.tray_deg), 0.0)
-    return hits or at.sweep(plan.basket_q, held, obstacles)
+    held = tool_values(2 * study.stem_radius_m, 0.6 * math.radians(at.arm_config.tray_deg), 0.0)
+    own = f"seen{a.bunch}"
+    rest = [n for n in names if n != own]
+
+    def meets(leg: Trajectory, values: FloatArray, bodies: Sequence[str], skip: Sequence[str] = ()) -> str:
+        hits = at.sweep(swept_rows(at.arm, leg, study.check_m), values, bodies, skip)
+        return f"arm meets {hits[0].body.removeprefix('seen_')} ({hits[0].link})" if hits else ""
+
+    def carries(leg: Trajectory) -> str:
+        poses = at.arm.chain.forward(np.vstack([plan.pick_q[-1:], swept_rows(at.arm, leg, study.check_m)]))
+        return carried_volume_hit(seen, a.bunch, poses, study.press_m)
+
+    def laden(leg: Trajectory) -> str:
+        return carries(leg) or meets(leg, held, rest, ("tray",))
+
+    wanted: tuple[tuple[FloatArray, float, Callable[[Trajectory], str]], ...] = (
+        (plan.out_q, study.speed_m_s, lambda leg: meets(leg, tool, names)),
+        (plan.pick_q, study.speed_m_s / 2, lambda leg: meets(leg, tool, names)),
+        (plan.pick_q[::-1], study.speed_m_s / 2, laden),
+        (plan.basket_q, study.speed_m_s, laden),
+    )
+    legs, straightened = [], 0
+    for q, speed, hits in wanted:
+        leg, why, straighter = free_leg(at.arm, q, speed, hits)
+        if why:
+            return plan.legs, why
+        legs.append(leg)
+        straightened += straighter
+    return Legs(legs[0], legs[1], legs[2], legs[3], straightened), ""
 
 
 def run_pick(
@@ -197,7 +228,11 @@ def _carry_out(at: PickWorld, scene: GrapeScene, plan: PickPlan, names: tuple[st
     a, study = plan.approach, at.study
     bunch = scene.bunches[a.bunch]
     tool = a.tool()
-    hits = at.sweep(plan.out_q, tool, names) or at.sweep(plan.pick_q, tool, names)
+    out, way_in, back, basket = (
+        swept_rows(at.arm, leg, study.check_m / 2)
+        for leg in (plan.legs.out, plan.legs.pick, plan.legs.back, plan.legs.basket)
+    )
+    hits = at.sweep(out, tool, names) or at.sweep(way_in, tool, names)
     if hits:
         return _touch(hits), math.nan
     q = plan.pick_q[-1]
@@ -226,12 +261,14 @@ def _carry_out(at: PickWorld, scene: GrapeScene, plan: PickPlan, names: tuple[st
     if cut:
         return cut, math.degrees(tray)
     held = tool_values(closed, tray, 0.0)
-    rest = [n for n in names if not n.startswith("bunch")]
-    hits = at.sweep(plan.pick_q[::-1], held, rest) or at.sweep(plan.basket_q, held, rest)
-    if not hits:  # the neighbour must not be struck by the arm on the way back either
-        others = [n for n in names if n.startswith("bunch") and n != f"bunch{a.bunch}"]
-        hits = at.sweep(plan.pick_q[::-1], held, others, skip=("tray",)) if others else []
-    return (_touch(hits) if hits else ""), math.degrees(tray)
+    others = [n for n in names if n != f"bunch{a.bunch}"]
+    obstacles = [n for n in others if not n.startswith("bunch")]
+    for rows in (back, basket):  # the tray may brush the neighbour, nothing else may
+        hits = at.sweep(rows, held, obstacles) or at.sweep(rows, held, others, skip=("tray",))
+        if hits:
+            return _touch(hits), math.degrees(tray)
+    poses = at.arm.chain.forward(np.vstack([q[None], back, basket]))
+    return carried_hit(scene, a.bunch, poses, study.press_m), math.degrees(tray)
 
 
 def _hold(at: PickWorld, q: FloatArray, opening_m: float, a: Approach, target: str) -> float:

@@ -124,7 +124,7 @@ def test_the_motion_runs_through_the_plan_inside_the_speed_limits(at: PickWorld)
     at.clear()
     plan, reason, _ = find_plan(at, scene)
     assert plan is not None, reason
-    m = pick_motion(ARM, ARM_CONFIG, STUDY, plan, 45.0)
+    m = pick_motion(ARM_CONFIG, STUDY, plan, 45.0)
     assert (np.diff(m.t_s) > 0).all()
     speed = np.abs(np.diff(m.q, axis=0)) / np.diff(m.t_s)[:, None]
     assert speed.max() <= ARM.chain.speed.max() * 1.01
