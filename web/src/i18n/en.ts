@@ -94,6 +94,7 @@ export const en = {
 
   "scene.follow": "Follow",
   "scene.home": "Reset view",
+  "scene.studies": "Arm studies",
   "scene.loading": "Loading the robot",
   "scene.nowebgl": "This browser offers no WebGL; the 3-D view is off, everything else works.",
   "scene.failed": "The robot could not be loaded: {detail}",

@@ -88,6 +88,7 @@ export const zh: Record<keyof typeof en, string> = {
   "floor.height": "传感器高 {height} m，倾斜 {tilt}°",
   "scene.follow": "跟随",
   "scene.home": "重置视角",
+  "scene.studies": "机械臂研究",
   "scene.loading": "正在加载机器人",
   "scene.nowebgl": "此浏览器不支持 WebGL，三维视图关闭，其余功能正常。",
   "scene.failed": "无法加载机器人：{detail}",

@@ -21,7 +21,9 @@ export class ScenePanel implements Panel {
     const { element, tools } = frame("scene", "panel.scene", this.box);
     this.element = element;
     this.box.append(this.note.element);
-    tools.append(this.cost.element, this.followButton, this.homeButton);
+    // In a tab of its own: the console with its stop button stays.
+    const studies = translated(h("a", { class: "chip", href: "./motion.html", target: "_blank" }), "scene.studies");
+    tools.append(this.cost.element, studies, this.followButton, this.homeButton);
     this.followButton.addEventListener("click", () => this.toggleFollow());
     this.homeButton.addEventListener("click", () => this.stage?.home());
     this.showFollow();
