@@ -101,15 +101,20 @@ def _legs(state: IntentState, config: IntentConfig) -> tuple[float | None, float
 
 
 def interpret(
-    frame: DepthFrame, track: Track, state: IntentState, inputs: Inputs, now: Circumstances, config: IntentConfig
+    frame: DepthFrame | None,
+    track: Track | None,
+    state: IntentState,
+    inputs: Inputs,
+    now: Circumstances,
+    config: IntentConfig,
 ) -> tuple[Intent, IntentState]:
-    """One frame. A frame that was refused changes nothing but what the buttons ask for."""
+    """One frame. None at all, or one that was refused, changes nothing but what the buttons ask for."""
     before = state
     dt_s = min(now.dt_s, MAX_DT_S)
     if now.restarted:
         state = IntentState(mode=state.mode, control=state.control)
     gestures = Gestures(toggle=False, stop=state.mode is Mode.STOPPED and not state.control.estop, progress=0.0)
-    if now.used:
+    if now.used and frame is not None and track is not None:
         gestures, state = _observe(frame, track, state, dt_s, now.dt_s, config)
     sight = state.sight
     seen = Seen(

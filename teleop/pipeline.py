@@ -108,6 +108,12 @@ class Pipeline:
         intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent)
         return intent, replace(state, intent=after)
 
+    def press(self, t_ns: int, state: PipelineState, inputs: Inputs) -> tuple[Intent, PipelineState]:
+        """A step without a frame: the buttons alone, so that a stop counts while none comes."""
+        now = Circumstances(t_ns=t_ns, dt_s=0.0, used=False, restarted=False)
+        intent, after = interpret(None, None, state.intent, inputs, now, self.config.intent)
+        return intent, replace(state, intent=after)
+
     def decide(
         self, intent: Intent, state: PipelineState, inputs: Inputs = Inputs()
     ) -> tuple[RobotCommand, PipelineState]:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from robot_sim.commands import RobotCommand
+from robot_sim.commands import RobotCommand, stop_command
 from robot_sim.state import RobotState
 from robot_sim.world import World
 from server.engine.filter_delay import filter_delay_s
@@ -103,12 +103,11 @@ class Core:
     def estop(self) -> None:
         """Stop the robot now; the pipeline learns it at its next step."""
         self.world.estop()
-        self.pending.estop = True
+        self.pending.estop, self.pending.estop_reset = True, False
 
     def estop_reset(self) -> None:
         """Release the latch; the operator must engage again."""
         self.world.estop_reset()
-        self.pending.estop = False
         self.pending.estop_reset = True
 
     def on_frame(self, arrived: Arrived, live: bool, speed: float) -> Moment:
@@ -136,10 +135,12 @@ class Core:
     def on_silence(self, source_failed: bool, speed: float) -> Moment:
         """A step without a frame: the last command stands until the watchdog holds, then stops.
 
-        Direct requests (lift, disc, console) still count; a wish to engage is refused: nobody is seen.
+        Direct requests (lift, disc, console) and the e-stop still count; a wish to engage is refused: nobody is seen.
         """
         now_s = self._clock()
         told = StepContext(now_s, False, speed, self.world.state().estop)
+        stop = self.pending.take_stop()
+        stopped = self._press(stop) if stop.estop or stop.estop_reset else ()
         last = self._last
         command = self._watched(now_s)
         if command is None and last is not None:
@@ -153,8 +154,9 @@ class Core:
             # told to stand still once; from the next step on a request may move the lift or the disc
             command = replace(command, stand_still=False)
             request = self.pending.take_request(now_s)
-        inputs = Inputs(engage=self.pending.engage, request=request, source_failed=source_failed)
+        inputs = replace(stop, engage=self.pending.engage, request=request, source_failed=source_failed)
         self.pending.engage = False
+        events = (*events, *stopped)
         if inputs.engage:
             events = (*events, Event(self._t_ns, "refused", Reason.ENGAGE_NO_PERSON))
         if inputs.request is not None:
@@ -198,6 +200,16 @@ class Core:
         self._silence = stopping
         return tuple(Event(self._t_ns, "watchdog", code) for code in stopping)
 
+    def _press(self, stop: Inputs) -> tuple[Event, ...]:
+        """The e-stop, or its reset, between two frames: control and mode follow at once, the last command is void."""
+        intent, self._state = self._pipeline.press(self._t_ns, self._state, stop)
+        last = self._last
+        if last is not None and last.output is not None:
+            shown = replace(last.output.intent, mode=intent.mode, engage_progress=0.0)
+            void = stop_command(self._t_ns, Reason.ESTOP if stop.estop else Reason.NOT_ENGAGED)
+            self._last = replace(last, output=replace(last.output, intent=shown), command=void)
+        return intent.events
+
     def _apply(self, command: RobotCommand, inputs: Inputs) -> tuple[RobotCommand, Reason | None]:
         mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
         assert inputs.request is not None
@@ -212,6 +224,7 @@ class Core:
         self.world.reset()
         if told.estop:
             self.world.estop()
+            self.pending.estop = True  # what began anew must learn it again
         self._state = self._pipeline.initial_state()
         self._stepped_s, self._silence, self._reset_due = told.now_s, (), False
 

@@ -11,7 +11,7 @@ _SPEEDS = ("drive_m_s", "turn_rad_s")
 
 @dataclass
 class Pending:
-    """Belongs to the engine's thread. An e-stop wins over everything asked in the same step."""
+    """Belongs to the engine's thread. An e-stop wins over everything asked in the same step; its reset then waits."""
 
     engage: bool = False
     disengage: bool = False
@@ -29,16 +29,21 @@ class Pending:
 
     def take(self, now_s: float, receive_t_ns: int | None) -> Inputs:
         """Everything the next frame's step is told."""
-        inputs = Inputs(
+        inputs = replace(
+            self.take_stop(),
             engage=self.engage,
             disengage=self.disengage,
-            estop=self.estop,
-            estop_reset=self.estop_reset and not self.estop,
             request=self.take_request(now_s),
             receive_t_ns=receive_t_ns,
         )
-        self.engage = self.disengage = self.estop = self.estop_reset = False
+        self.engage = self.disengage = False
         return inputs
+
+    def take_stop(self) -> Inputs:
+        """The e-stop or its reset, which count without a frame, too."""
+        stop = Inputs(estop=self.estop, estop_reset=self.estop_reset and not self.estop)
+        self.estop, self.estop_reset = False, self.estop and self.estop_reset
+        return stop
 
     def take_request(self, now_s: float) -> RobotRequest | None:
         """What is asked of the robot now; keeps only speeds that are still wanted."""

@@ -109,6 +109,11 @@ def test_all_inputs_of_a_live_session_count(tmp_path: Path) -> None:
             for _ in range(9):
                 now_s += 0.0331
                 recorder.write(core.on_silence(i == 18, 1.0))
+        if i == 20:  # latched and released while no frame comes
+            core.estop()
+            recorder.write(core.on_silence(False, 1.0))
+            core.estop_reset()
+            recorder.write(core.on_silence(False, 1.0))
     recorder.close()
     world.close()
     assert not events

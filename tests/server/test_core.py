@@ -13,6 +13,7 @@ from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
 from server.settings import Settings
 from teleop.inputs import RobotRequest
+from teleop.intent_types import Mode
 from teleop.reasons import Reason
 
 
@@ -100,6 +101,43 @@ def test_an_emergency_stop_survives_another_source_and_a_configuration(core: tup
     clock.now += 0.033
     moment = engine.on_frame(Arrived(frames()[2], clock.now, 0.06), live=False, speed=1.0)
     assert not moment.robot.estop and Reason.ESTOP not in moment.command.reasons
+
+
+def test_an_emergency_stop_without_frames_is_told_and_recorded_and_ends_with_its_reset(
+    core: tuple[Core, Clock],
+) -> None:
+    engine, clock = core
+    play(engine, clock, 0, 4)
+    clock.now += 1.0
+    engine.estop()
+    stopped = engine.on_silence(False, 1.0)
+    assert [(e.kind, e.reason) for e in stopped.events if e.kind == "estop"] == [("estop", Reason.ESTOP)]
+    assert stopped.inputs.estop and stopped.output is not None and stopped.output.intent.mode is Mode.STOPPED
+    assert not [e for e in engine.on_silence(False, 1.0).events if e.kind == "estop"], "told once"
+    engine.estop_reset()
+    released = engine.on_silence(False, 1.0)
+    assert Reason.ESTOP_RESET in [e.reason for e in released.events] and released.inputs.estop_reset
+    assert released.output is not None and released.output.intent.mode is not Mode.STOPPED
+    assert released.command.drive_m_s == 0.0
+
+
+def test_an_emergency_stop_and_its_reset_within_one_step_are_both_told(core: tuple[Core, Clock]) -> None:
+    engine, clock = core
+    play(engine, clock, 0, 2)
+    engine.estop()
+    engine.estop_reset()
+    events = [e.reason for _ in range(2) for e in engine.on_silence(False, 1.0).events if e.kind == "estop"]
+    assert events == [Reason.ESTOP, Reason.ESTOP_RESET]
+
+
+def test_an_emergency_stop_before_the_first_frame_of_a_recorded_session_is_kept(core: tuple[Core, Clock]) -> None:
+    engine, clock = core
+    engine.estop()
+    engine.forget(reset_robot=True)
+    engine.on_silence(False, 1.0)
+    play(engine, clock, 0, 1)
+    moment = engine.on_frame(Arrived(frames()[1], clock.now, 0.03), live=False, speed=1.0)
+    assert moment.output is not None and moment.output.intent.mode is Mode.STOPPED and moment.robot.estop
 
 
 def test_the_robots_time_runs_with_the_replay_within_its_bound(core: tuple[Core, Clock]) -> None:
