@@ -19,7 +19,7 @@ import pybullet
 
 from robot_sim.errors import RobotError
 from robot_sim.kinematics.transforms import FloatArray
-from robot_sim.primitives import Primitive, Rgba, Vec3, rod
+from robot_sim.primitives import Primitive, Rgba, Vec3, rod, rotation
 from robot_sim.studies.motion_read import StoredMotion
 
 Image = npt.NDArray[np.uint8]
@@ -175,7 +175,7 @@ class MotionScene:
         for t in np.linspace(0.0, self.motion.duration_s, 25):
             self.place(float(t))
             seen.append(self.link_points())
-        points = np.concatenate([*seen, self.motion.path_m, *(np.array([v.xyz_m]) for v in self.motion.volumes)])
+        points = np.concatenate([*seen, self.motion.path_m, *(_ends(v) for v in self.motion.volumes)])
         low, high = points.min(axis=0), points.max(axis=0)
         middle = (low + high) / 2
         radius = 0.5 * float(np.linalg.norm(high - low))
@@ -187,6 +187,13 @@ class MotionScene:
     def glass_alpha(self) -> float:
         """Opacity with which the see-through volumes are laid over."""
         return self._alpha
+
+
+def _ends(p: Primitive) -> FloatArray:
+    """Two points (2, 3) at the ends of a volume's own z axis."""
+    half = p.size_m[-1] / (1 if p.kind == "sphere" else 2)
+    axis = rotation(p.rpy_rad)[:, 2] * half
+    return np.array([p.xyz_m - axis, p.xyz_m + axis])
 
 
 def _sticks(path_m: FloatArray, rgba: Rgba) -> list[Primitive]:
