@@ -63,7 +63,9 @@ class StreamConfig(Section):
 class LoopConfig(Section):
     """The engine's own pace; watchdog times belong to teleop's safety."""
 
-    tick_hz: float = Field(default=30.0, ge=5.0, le=240.0, description="control steps while no frame comes [1/s]")
+    tick_hz: float = Field(
+        default=30.0, ge=5.0, le=240.0, description="steps between slow frames and without frames [1/s]"
+    )
     max_step_s: float = Field(default=0.1, ge=0.01, le=0.5, description="longest stretch simulated for one frame [s]")
     ledger_frames: int = Field(default=300, ge=30, le=10_000, description="frames the latency percentiles look back on")
     reset_robot_on_loop: bool = Field(

@@ -21,6 +21,7 @@ from server.engine.preview import encoded
 from server.engine.publisher import Publisher
 from server.engine.recording import SessionRecorder, describe
 from server.engine.session import Session, new_session
+from server.engine.ticks import Ticks
 from server.errors import Refused
 from server.images_wire import ImageKind
 from server.settings import Settings
@@ -185,19 +186,18 @@ class Engine(threading.Thread):
     def run(self) -> None:
         """Step until stopped."""
         self.publisher.start()
-        tick_s = 1.0 / self._settings.engine.tick_hz
-        due_s = time.monotonic()
+        ticks = Ticks(self._settings.engine.tick_hz)
         try:
             while not self._stopping:
-                arrived = self._mailbox.take(due_s - time.monotonic())
+                arrived = self._mailbox.take(ticks.due_s - time.monotonic())
                 while self._calls:
                     self._calls.popleft()()
                 if arrived is not None:
                     self._publish(self._on_frame(arrived))
-                    due_s = time.monotonic() + 1.5 * tick_s
-                elif time.monotonic() >= due_s:
+                    ticks.frame(arrived.received_s, time.monotonic())
+                elif time.monotonic() >= ticks.due_s:
                     self._publish(self._on_silence())
-                    due_s = max(due_s + tick_s, time.monotonic())
+                    ticks.tick(time.monotonic())
         finally:
             self._stopping = True
             self._core.world.step(stop_command(0), 0.5)

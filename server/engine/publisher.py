@@ -34,7 +34,7 @@ class Publisher:
         self._received_s: OrderedDict[int, float] = OrderedDict()
         self._arrivals: deque[float] = deque(maxlen=60)
         self._seq = 0
-        self._state_s = self._image_s = 0.0
+        self._state_s = self._fresh_s = self._image_s = 0.0
         self._current: Moment | None = None
         self.session: Session | None = None
         """What is playing now; set by the engine."""
@@ -56,10 +56,11 @@ class Publisher:
             self.event(event)
         with self._lock:
             self._current = moment
-        # frames jitter: a state may come a little early rather than a whole frame late
-        if now_s - self._state_s < 0.6 / self._config.state_hz:
+        # frames jitter: a state may come a little early rather than a whole frame late; ticks never displace a frame
+        if now_s - (self._fresh_s if moment.fresh else self._state_s) < 0.6 / self._config.state_hz:
             return
         self._state_s = now_s
+        self._fresh_s = now_s if moment.fresh else self._fresh_s
         self._seq += 1
         self._images(moment, now_s)
         if self._hub.count == 0:
