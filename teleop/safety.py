@@ -15,7 +15,8 @@ class StreamState:
     """What is known of the stream of frames after one of them.
 
     last_t_ns: stamp of the last used frame. dt_s: time since the one before it, 0 for a refused frame.
-    lag_ns: smallest receive time minus stamp so far, the usual way from sensor to here.
+    lag_ns: smallest receive time minus stamp so far, the usual way from sensor to here; it grows slowly, because
+    the two clocks drift apart.
     refused: why this frame was not used. restarted: the stream starts anew at this frame.
     refused_since_ns: receive time of the first of a run of refused frames.
     """
@@ -64,7 +65,7 @@ def step_stream(stream: StreamState, t_ns: int, receive_t_ns: int | None, config
     if dt_s < 0 or dt_s >= config.restart_s:
         return StreamState(t_ns, 0.0, lag_ns, restarted=True)
     if lag_ns is not None and stream.lag_ns is not None:
-        lag_ns = min(lag_ns, stream.lag_ns)
+        lag_ns = min(lag_ns, stream.lag_ns + round(dt_s * config.clock_drift_ppm * 1e3))
     return StreamState(t_ns, dt_s, lag_ns)
 
 

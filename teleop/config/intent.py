@@ -264,6 +264,9 @@ class SafetyConfig(Section):
     stale_s: float = Field(
         default=0.5, ge=0.05, le=10.0, description="frames later than usual by this are refused [s]; spec"
     )
+    clock_drift_ppm: float = Field(
+        default=200.0, ge=0.0, le=10_000.0, description="drift allowed between sensor and host clocks [1e-6]; ours"
+    )
     future_s: float = Field(
         default=0.5, ge=0.05, le=10.0, description="frames stamped ahead by this are refused [s]; ours"
     )

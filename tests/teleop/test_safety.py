@@ -31,6 +31,19 @@ def test_ordinary_frames() -> None:
     assert out[2].dt_s == pytest.approx(0.034)
 
 
+@pytest.mark.parametrize("drift_ppm", [50, -50])
+def test_clocks_that_drift_apart_for_hours_do_not_make_frames_stale(drift_ppm: int) -> None:
+    stream, refused = StreamState(), set()
+    for second in range(5 * 3600):
+        t_ns = second * 1000 * MS
+        receive_ns = t_ns + second * drift_ppm * 1000 + 30 * MS + (second % 7) * MS
+        stream = step_stream(stream, t_ns, receive_ns, CONFIG.model_copy(update={"restart_s": 3.0}))
+        refused.add(stream.refused)
+    assert refused == {None} and not stream.restarted
+    late = step_stream(stream, stream.last_t_ns + 33 * MS, receive_ns + 700 * MS, CONFIG)  # type: ignore[operator]
+    assert late.refused is Reason.FRAME_STALE, "a late frame is still found out"
+
+
 def test_duplicate_and_reordered_frames_are_refused_and_time_goes_on() -> None:
     out = run([0, 33, 33, 10, 67])
     assert [s.refused for s in out] == [None, None, Reason.FRAME_DUPLICATE, Reason.FRAME_REORDERED, None]
