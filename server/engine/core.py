@@ -135,7 +135,8 @@ class Core:
     def on_silence(self, source_failed: bool, speed: float) -> Moment:
         """A step without a frame: the last command stands until the watchdog holds, then stops.
 
-        Direct requests (lift, disc, console) and the e-stop still count; a wish to engage is refused: nobody is seen.
+        Direct requests (lift, disc, console) and the e-stop still count; a wish to engage waits for the next
+        frame, and is refused once the watchdog misses it: nobody is seen.
         """
         now_s = self._clock()
         told = StepContext(now_s, False, speed, self.world.state().estop)
@@ -154,8 +155,9 @@ class Core:
             # told to stand still once; from the next step on a request may move the lift or the disc
             command = replace(command, stand_still=False)
             request = self.pending.take_request(now_s)
-        inputs = replace(stop, engage=self.pending.engage, request=request, source_failed=source_failed)
-        self.pending.engage = False
+        missing = source_failed or self._watched(now_s) is not None
+        inputs = replace(stop, engage=self.pending.engage and missing, request=request, source_failed=source_failed)
+        self.pending.engage = self.pending.engage and not missing
         events = (*events, *stopped)
         if inputs.engage:
             events = (*events, Event(self._t_ns, "refused", Reason.ENGAGE_NO_PERSON))

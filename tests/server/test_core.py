@@ -14,6 +14,7 @@ from server.engine.mailbox import Arrived
 from server.settings import Settings
 from teleop.inputs import RobotRequest
 from teleop.intent_types import Mode
+from teleop.modes import IN_CONTROL
 from teleop.reasons import Reason
 
 
@@ -76,6 +77,18 @@ def test_nobody_can_be_engaged_while_no_frame_comes(core: tuple[Core, Clock]) ->
     engine.pending.engage = True
     assert [e.reason for e in engine.on_silence(False, 1.0).events if e.kind == "refused"] == [Reason.ENGAGE_NO_PERSON]
     assert not [e for e in engine.on_silence(False, 1.0).events if e.kind == "refused"]
+
+
+def test_a_wish_to_engage_between_two_frames_waits_for_the_next(core: tuple[Core, Clock]) -> None:
+    engine, clock = core
+    play(engine, clock, 0, 10)
+    engine.pending.engage = True
+    clock.now += 0.02
+    between = engine.on_silence(False, 1.0)
+    assert not between.events and not between.inputs.engage
+    clock.now += 0.02
+    moment = engine.on_frame(Arrived(frames()[10], clock.now, 0.33), live=False, speed=1.0)
+    assert moment.inputs.engage and moment.output is not None and moment.output.intent.mode in IN_CONTROL
 
 
 def test_speeds_end_when_they_are_not_repeated(core: tuple[Core, Clock]) -> None:
