@@ -97,7 +97,10 @@ class Library:
                     if size > self._max_bytes:
                         raise Refused(413, f"a recording may have at most {self._max_bytes // 1_000_000} MB")
                     out.write(chunk)
-            McapSource(partial).close()
+            try:
+                McapSource(partial).close()
+            except RecordingError as error:  # the sender knows the file by its own name, not by ours
+                raise Refused(422, str(error).replace(str(partial), path.name)) from error
             partial.replace(path)
         finally:
             partial.unlink(missing_ok=True)

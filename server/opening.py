@@ -13,6 +13,8 @@ from server.library import Library
 from teleop.sources import open_source
 
 LIVE_SCHEMES = ("openni2:", "freenect:", "realsense:", "orbbec:", "virtual:")
+_FILE = re.compile(r"\.[A-Za-z]\w{1,4}$")
+"""How the sensors' own recordings end (.oni, .bag, .db3): a driver would look for them in the server's folder."""
 
 
 def open_named(engine: Engine, library: Library, name: str, *, loop: bool, record: bool = False) -> Session:
@@ -22,8 +24,11 @@ def open_named(engine: Engine, library: Library, name: str, *, loop: bool, recor
         raise Refused(422, "push: begins when a sender connects to /api/v1/push; close the running session for it")
     record_to = _record_to(library, name) if record else None
     if scheme is None:
+        if ":" in name:
+            legal = ", ".join((*LIVE_SCHEMES, "push:"))
+            raise Refused(422, f"'{name[:80]}' is no source; legal: the name of a recording, or one of {legal}")
         return engine.open(name, open_source(str(library.find(name).path)), loop, record_to)
-    if "/" in name or "\\" in name or ".." in name:
+    if "/" in name or "\\" in name or ".." in name or _FILE.search(name):
         raise Refused(403, "files of this computer are opened on its command line only; upload a recording instead")
     if engine.session is not None and engine.session.info.live:
         engine.close_session(engine.session.id)  # a sensor can be opened once

@@ -67,6 +67,9 @@ class LoopConfig(Section):
         default=30.0, ge=5.0, le=240.0, description="steps between slow frames and without frames [1/s]"
     )
     max_step_s: float = Field(default=0.1, ge=0.01, le=0.5, description="longest stretch simulated for one frame [s]")
+    degraded_s: float = Field(
+        default=1.0, ge=0.1, le=60.0, description="age of the last step from which /health says degraded [s]"
+    )
     ledger_frames: int = Field(default=300, ge=30, le=10_000, description="frames the latency percentiles look back on")
     reset_robot_on_loop: bool = Field(
         default=True, description="put the robot back to its start when a recording loops"

@@ -37,12 +37,14 @@ async def change_config(
     ],
 ) -> Settings:
     """Lay a partial tree over the settings; all of it or, when anything is refused, nothing. Arms hold meanwhile."""
-    settings = changed(engine.settings, patch)
-    fixed = [key for key in patch if key != LIVE and getattr(settings, key) != getattr(engine.settings, key)]
+    return await done(engine.configure(lambda now: _laid_over(now, patch)))
+
+
+def _laid_over(now: Settings, patch: dict[str, Any]) -> Settings:
+    settings = changed(now, patch)
+    fixed = [key for key in patch if key != LIVE and getattr(settings, key) != getattr(now, key)]
     if fixed:
         raise Refused(
             409, f"{', '.join(fixed)}: read at the start only; restart 'teleop serve' with a changed --config"
         )
-    if settings != engine.settings:
-        await done(engine.configure(settings))
     return settings

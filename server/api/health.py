@@ -25,19 +25,23 @@ router = APIRouter()
 class Health(BaseModel):
     """The server is up and its engine steps."""
 
-    status: Literal["ok"] = "ok"
+    status: Literal["ok", "degraded"] = Field("ok", description="degraded: the engine has not stepped for too long")
     version: str
+    step_age_s: float = Field(description="time since the last step of the robot [s]")
     source: str | None = Field(description="what is playing")
     fault: str | None = Field(description="why the source gives no frames")
 
 
 @router.get("/health", tags=["operation"], responses=documented(503))
 def health(engine: EngineDep) -> Health:
-    """200 while the engine steps, 503 when it has stopped."""
+    """200 while the engine runs, 503 when it has stopped; degraded while its last step is too old."""
     if not engine.is_alive():
         raise Refused(503, "the engine has stopped; see the server's log and restart it")
     session = engine.session
+    late = engine.step_age_s > engine.settings.engine.degraded_s
     return Health(
+        status="degraded" if late else "ok",
+        step_age_s=round(engine.step_age_s, 3),
         version=software_version(),
         source=session.name if session else None,
         fault=session.fault if session else None,

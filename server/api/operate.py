@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from math import degrees
+
 from fastapi import APIRouter, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from robot_sim.commands import ArmTarget
+from robot_sim.config import RobotConfig
 from server.api.deps import EngineDep, done
 from server.api.problems import documented
 from server.errors import Refused
@@ -13,6 +16,8 @@ from server.wire import Liquid
 from teleop.inputs import RobotRequest
 
 router = APIRouter(tags=["robot"])
+_ROUNDING = 1e-3
+"""A range that the refusal rounds to six digits includes its own ends."""
 
 
 class Accepted(BaseModel):
@@ -57,6 +62,29 @@ class RobotAsk(BaseModel):
     liquid: Liquid | None = None
     head_camera_sweep: bool | None = None
 
+    def check(self, robot: RobotConfig) -> None:
+        """Raises Refused (422) with the legal range for what this robot cannot reach."""
+        body, arm = robot.body, robot.arm
+        legal = {"lift_m": (body.lift.lower, body.lift.upper), "disc_rad": (body.disc.lower, body.disc.upper)}
+        given = {name: value for name in legal if (value := getattr(self, name)) is not None}
+        for side in ("right_arm", "left_arm", "rear_arm"):
+            ask: ArmAsk | None = getattr(self, side)
+            if ask is not None:
+                for angle in ("c1_deg", "c2_deg"):
+                    axis = arm.c1 if angle == "c1_deg" else arm.c2
+                    legal[f"{side}.{angle}"] = degrees(axis.lower), degrees(axis.upper)
+                    given[f"{side}.{angle}"] = getattr(ask, angle)
+                # the servo counts its bend from straight, the request the inner angle
+                legal[f"{side}.elbow_deg"] = 180.0 - degrees(arm.elbow.upper), 180.0 - degrees(arm.elbow.lower)
+                given[f"{side}.elbow_deg"] = ask.elbow_deg
+        beyond = [
+            f"{name}: {value:g} is out of range; legal: {legal[name][0]:g} <= {name} <= {legal[name][1]:g}"
+            for name, value in given.items()
+            if not legal[name][0] - _ROUNDING <= value <= legal[name][1] + _ROUNDING
+        ]
+        if beyond:
+            raise Refused(422, "; ".join(beyond))
+
     def request(self) -> RobotRequest:
         """As the pipeline takes it."""
         from robot_sim.commands import Liquid as RobotLiquid
@@ -99,9 +127,10 @@ async def estop_reset(engine: EngineDep) -> Accepted:
     return Accepted()
 
 
-@router.post("/robot/command", responses=documented(503))
+@router.post("/robot/command", responses=documented(422, 503))
 async def command(engine: EngineDep, ask: RobotAsk) -> Accepted:
     """Direct control, through the same safety kernel and limits as the operator's."""
+    ask.check(engine.settings.robot)
     await done(engine.ask(ask.request(), ask.for_s))
     return Accepted()
 

@@ -60,6 +60,7 @@ class Engine(threading.Thread):
         self._head_s = 0.0
         self._reported: str | None = None
         self.frames = 0
+        self._stepped_s = time.monotonic()
 
     @property
     def settings(self) -> Settings:
@@ -80,6 +81,11 @@ class Engine(threading.Thread):
     def sessions(self) -> tuple[Session, ...]:
         """Running and finished sessions, oldest first."""
         return tuple(self._sessions)
+
+    @property
+    def step_age_s(self) -> float:
+        """Time since the last step; a running engine steps at ``engine.tick_hz`` at least."""
+        return time.monotonic() - self._stepped_s
 
     @property
     def dropped(self) -> int:
@@ -138,10 +144,16 @@ class Engine(threading.Thread):
             if self._session is not None and self._session.id == session_id:
                 self._close_session()
 
-    def configure(self, settings: Settings) -> Future[None]:
-        """Put settings in force; perception and intent begin anew."""
+    def configure(self, change: Callable[[Settings], Settings]) -> Future[Settings]:
+        """Change the settings that are in force then, and give the new ones; perception and intent begin anew.
 
-        def work() -> None:
+        The change is made between two steps, so that of two at once neither is lost. What it raises is the future's.
+        """
+
+        def work() -> Settings:
+            settings = change(self._settings)
+            if settings == self._settings:
+                return settings
             self._core.configure(settings)
             self._settings = settings
             session = self._session
@@ -149,6 +161,7 @@ class Engine(threading.Thread):
                 session.recorder.write_settings(settings)
             self._say_hello()
             self.publisher.announce("config", "config.changed")
+            return settings
 
         return self.call(work)
 
@@ -221,6 +234,7 @@ class Engine(threading.Thread):
 
     def _publish(self, moment: Moment) -> None:
         session = self._session
+        self._stepped_s = time.monotonic()
         self.publisher.publish(moment)
         if session is not None and session.recorder is not None and session.recording_now:
             session.recording_now = session.recorder.write(moment)

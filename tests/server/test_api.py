@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -226,3 +227,39 @@ def test_documents_and_metrics(live: tuple[httpx.Client, Engine]) -> None:
     assert httpx.get(f"{root}/").status_code in (200, 503)
     refused(client.get("/no/such/thing"), 404)
     refused(client.put("/estop"), 405)
+
+
+def test_what_this_robot_cannot_reach_is_refused_with_its_range(api: httpx.Client) -> None:
+    refused(api.post("/robot/command", json={"lift_m": 0.9}), 422, "0 <= lift_m <= 0.4")
+    arm = {"c1_deg": 170, "c2_deg": 0, "elbow_deg": 10}
+    refused(api.post("/robot/command", json={"left_arm": arm}), 422, "left_arm.c1_deg")
+    straight = {"c1_deg": 0, "c2_deg": 0, "elbow_deg": 180}
+    assert api.post("/robot/command", json={"lift_m": 0.4, "left_arm": straight}).status_code == 200
+
+
+def test_of_two_changes_at_once_neither_is_lost(api: httpx.Client) -> None:
+    before = api.get("/config").json()["teleop"]["intent"]["safety"]
+    names = ("stale_s", "future_s")
+    with ThreadPoolExecutor(2) as pool:
+        for step in range(1, 6):
+            patches = [{"teleop": {"intent": {"safety": {name: 0.5 + step / 100}}}} for name in names]
+            list(pool.map(lambda patch: api.patch("/config", json=patch).raise_for_status(), patches))
+            after = api.get("/config").json()["teleop"]["intent"]["safety"]
+            assert [after[name] for name in names] == [0.5 + step / 100] * 2
+    api.patch("/config", json={"teleop": {"intent": {"safety": {name: before[name] for name in names}}}})
+
+
+@pytest.mark.parametrize("name", ["realsense:session.bag", "realsense:session.db3", "openni2:session.oni"])
+def test_files_in_the_servers_folder_are_not_opened(api: httpx.Client, name: str) -> None:
+    refused(api.post("/sessions", json={"source": name}), 403, "command line only")
+
+
+def test_an_unknown_scheme_is_told_the_legal_ones(api: httpx.Client) -> None:
+    refused(api.post("/sessions", json={"source": "foo:"}), 422, "realsense:")
+
+
+def test_a_refused_upload_names_the_senders_file_only(live: tuple[httpx.Client, Engine]) -> None:
+    client, _ = live
+    answer = client.post("/recordings", files={"file": ("broken.mcap", b"no recording")})
+    refused(answer, 422, "broken.mcap")
+    assert ".part" not in answer.text and "/" not in answer.json()["detail"].split("broken.mcap")[0]
