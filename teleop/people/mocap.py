@@ -14,8 +14,13 @@ from typing import Final
 import numpy as np
 
 from teleop.data import data_root
+from teleop.people.distinct import distinct, limb_ends
 from teleop.people.pose import ArmPose, LegPose, Pose
 from teleop.people.rig import Floats
+
+
+_LEAST_M: Final = 0.05
+"""Poses of which no joint is farther apart than this are one (Shotton 2011)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +115,7 @@ def _split_of(k: int) -> str:
 
 @lru_cache(maxsize=3)
 def library(split: str) -> PoseLibrary | None:
-    """Recorded poses of one split (whole clips apart), every sixth frame; None without the data sets."""
+    """Recorded poses of one split (whole clips apart), no two alike; None without the data sets."""
     root, found = data_root(), []
     cmu = root and root / "cmu_mocap" / "cmu_actions_xyz_mm_60hz.npz"
     if cmu and cmu.is_file():
@@ -118,16 +123,18 @@ def library(split: str) -> PoseLibrary | None:
             clips = sorted(k for k in data.files if k.split("__")[0] in ("train", "test"))
             for k, clip in enumerate(clips):
                 if _split_of(k) == split:
-                    found.append(_library(data[clip][1::6].astype(np.float64) * np.array([-1e-3, 1e-3, -1e-3]), _CMU))
+                    found.append(_library(data[clip][1::2].astype(np.float64) * np.array([-1e-3, 1e-3, -1e-3]), _CMU))
     sdk = root and root / "kinect_skeletons" / "precog.npz"
     if sdk and sdk.is_file():
         with np.load(sdk) as data:
             starts = np.concatenate([[0], np.cumsum(data["lengths"])])
             for k, (a, b) in enumerate(pairwise(starts)):
                 if _split_of(k // 6) == split:
-                    rows = np.arange(a, b, 6)
+                    rows = np.arange(a, b, 2)
                     found.append(_library(data["joints"][rows[data["valid"][rows]]].astype(np.float64), _SDK))
     found = [f for f in found if len(f)]
     if not found:
         return None
-    return PoseLibrary(np.concatenate([f.limbs for f in found]), np.concatenate([f.trunk for f in found]))
+    limbs, trunk = np.concatenate([f.limbs for f in found]), np.concatenate([f.trunk for f in found])
+    kept = distinct(limb_ends(limbs), _LEAST_M)
+    return PoseLibrary(limbs[kept], trunk[kept])
