@@ -1,4 +1,4 @@
-"""The 16-byte header in front of every picture on the stream: little-endian, then JPEG bytes."""
+"""The 16-byte header in front of every picture on the stream: little-endian, then JPEG (body parts: PNG) bytes."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ class ImageKind(IntEnum):
     DEPTH = 1
     COLOR = 2
     HEAD = 3
+    PARTS = 4
 
 
 @dataclass(frozen=True, slots=True)

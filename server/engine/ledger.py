@@ -7,10 +7,12 @@ from collections import deque
 
 from server.wire import StageLatency
 
-STAGES = ("capture", "tracking", "filter", "intent", "simulation", "encode", "total")
+STAGES = ("capture", "tracking", "filter", "intent", "simulation", "encode", "send", "paint", "total", "motion")
 """capture: from receipt until the engine takes the frame. filter: the delay the joint filter adds (group delay).
-encode: state to JSON. total: from receipt to the client's word that the overlay is painted, by the server's clock,
-so the way back is included."""
+encode: state to JSON. send: from the state's being ready to the client's word, without the client's own time, so
+queue and way back are included. paint: from the client's receipt of the state to its being painted. total: from
+receipt to the client's word that the overlay is painted, by the server's clock, so the way back is included.
+motion: total and the filter's delay of that frame, what the operator feels."""
 
 
 class Ledger:
@@ -25,6 +27,12 @@ class Ledger:
         """One sample of one stage."""
         with self._lock:
             self._samples.setdefault(stage, deque(maxlen=self._window)).append(seconds * 1e3)
+
+    def last_s(self, stage: str) -> float:
+        """The newest sample of a stage in seconds, 0 without any."""
+        with self._lock:
+            samples = self._samples.get(stage)
+            return samples[-1] / 1e3 if samples else 0.0
 
     def table(self) -> dict[str, StageLatency]:
         """Percentiles [ms] of every stage that has samples, in the order of the data flow."""
