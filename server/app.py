@@ -11,13 +11,31 @@ from fastapi import APIRouter, FastAPI
 from fastapi.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
 
-from server.api import config, health, motions, operate, problems, push, recordings, replay, sessions, stream
+from server.access.desk import Desk
+from server.access.gate import Gate
+from server.access.tokens import Tokens
+from server.api import (
+    access,
+    config,
+    health,
+    jobs,
+    motions,
+    openapi,
+    operate,
+    problems,
+    push,
+    recordings,
+    replay,
+    sessions,
+    stream,
+)
 from server.api.guard import Guard
 from server.engine.engine import Engine
+from server.jobs import Jobs
 from server.library import Library
 from server.settings import Settings
 from server.stream.hub import Hub
-from teleop.recording.writer import software_version
+from teleop.software import software_version
 
 CONSOLE = Path(__file__).resolve().parent / "console"
 _NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>greenhouse-teleop</title>
@@ -27,13 +45,20 @@ _NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>gree
 <p>The API works already: <a href="/docs">/docs</a>, <a href="/api/v1/state">/api/v1/state</a>.</p></body></html>"""
 
 
-def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings) -> FastAPI:
+def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, tokens: Tokens) -> FastAPI:
     """The application around a running engine. It binds the hub to its event loop; it does not stop the engine."""
+    desk = Desk(tokens, settings.access, settings.port, engine.publisher.announce, engine.audit)
+    jobs_kept = Jobs()
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         hub.bind(asyncio.get_running_loop())
+        desk.changed = lambda: hub.tell_each(lambda caller: desk.access(caller).model_dump_json())
+        desk.taken = lambda: _disengage(engine)
+        watching = asyncio.create_task(_watch(desk))
         yield
+        watching.cancel()
+        jobs_kept.close()
         hub.bind(None)
 
     app = FastAPI(
@@ -41,16 +66,20 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings) -
         version=software_version(),
         summary="Drive a three-arm greenhouse robot with your body in front of a depth camera.",
         lifespan=lifespan,
+        generate_unique_id_function=openapi.operation_id,
     )
+    app.state.desk, app.state.jobs = desk, jobs_kept
     app.state.engine, app.state.hub, app.state.library = engine, hub, library
     app.state.studies = settings.studies
     problems.install(app)
     api = APIRouter(prefix="/api/v1")
-    for part in (health, config, operate, replay, recordings, motions, sessions, stream, push):
+    for part in (health, access, config, operate, replay, recordings, motions, sessions, jobs, stream, push):
         api.include_router(part.router)
     app.include_router(api)
     app.include_router(health.metrics_router(engine, hub))
+    openapi.install(app)
     _mount_console(app)
+    app.add_middleware(Gate, desk=desk, answer=problems.refusal)
     app.add_middleware(
         Guard,
         loopback_only=not settings.is_public,
@@ -59,6 +88,16 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings) -
         upload_bytes=settings.upload.recording_mb * 1_000_000 + 10_000,
     )
     return app
+
+
+def _disengage(engine: Engine) -> None:
+    engine.engage(False)
+
+
+async def _watch(desk: Desk) -> None:
+    while True:
+        await asyncio.sleep(1.0)
+        desk.watch()
 
 
 def _mount_console(app: FastAPI) -> None:

@@ -25,7 +25,7 @@ from server.api.replay import ReplayState
 from server.api.sessions import SessionState
 from server.errors import Refused, ServerError
 
-_SERVER_MESSAGE: TypeAdapter[wire.Hello | wire.State | wire.EventMessage | wire.ErrorMessage] = TypeAdapter(
+_SERVER_MESSAGE: TypeAdapter[Any] = TypeAdapter(
     wire.ServerMessage
 )
 _NO_PICTURES = wire.View(image="none").model_dump_json()

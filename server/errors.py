@@ -14,9 +14,11 @@ class SettingsError(ServerError):
 
 
 class Refused(ServerError):
-    """A request that cannot be carried out now. status: the HTTP status; title: its short name."""
+    """A request that cannot be carried out now. status: the HTTP status. code: for programs, where the status leaves
+    it open which rule was broken."""
 
-    def __init__(self, status: int, detail: str) -> None:
+    def __init__(self, status: int, detail: str, code: str | None = None) -> None:
         super().__init__(detail)
         self.status = status
         self.detail = detail
+        self.code = code

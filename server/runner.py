@@ -6,7 +6,8 @@ import errno
 import logging
 import signal
 import socket
-from collections.abc import Callable
+import ssl
+from collections.abc import Callable, Mapping
 
 import uvicorn
 
@@ -15,6 +16,7 @@ from server.settings import Settings
 
 _log = logging.getLogger(__name__)
 Tell = Callable[[str], None]
+Show = Callable[[Mapping[str, str]], None]
 _SEND_BUFFER = 1 << 18
 """Bytes the kernel holds back for one slow client; more would only be old pictures."""
 
@@ -42,13 +44,35 @@ def listen(settings: Settings) -> socket.socket:
     return listener
 
 
-def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
-    """Load, run until Ctrl-C or SIGTERM, shut down. Raises TeleopError when the source or the model is wrong."""
+def check_tls(settings: Settings) -> None:
+    """Raises ServerError when certificate and key are not a pair that can be used."""
+    if (settings.tls_cert is None) != (settings.tls_key is None):
+        raise ServerError("--tls-cert and --tls-key belong together; give both")
+    if settings.tls_cert is None or settings.tls_key is None:
+        return
+    for path in (settings.tls_cert, settings.tls_key):
+        if not path.is_file():
+            raise ServerError(f"no file {path}; --tls-cert and --tls-key take PEM files")
+    try:
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(settings.tls_cert, settings.tls_key)
+    except (ssl.SSLError, OSError) as error:
+        why = error.reason if isinstance(error, ssl.SSLError) else error.strerror
+        raise ServerError(
+            f"{settings.tls_cert} and {settings.tls_key} cannot be used: {why}; both must be PEM"
+        ) from None
+
+
+def serve(settings: Settings, listener: socket.socket, tell: Tell, show: Show, *, new_tokens: bool = False) -> None:
+    """Load, run until Ctrl-C or SIGTERM, shut down. Raises TeleopError when the source or the model is wrong.
+
+    show: called once with the tokens by role when they were just made.
+    """
     tell("loading")
     from server.quiet import quiet_output
 
     with quiet_output():
         from robot_sim.world import World
+    from server.access.tokens import load_tokens
     from server.app import create_app
     from server.engine.engine import Engine
     from server.library import Library
@@ -68,6 +92,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
     tell("building the greenhouse")
     with quiet_output():
         world = World(settings.robot)
+    tokens, shown = load_tokens(settings.access.file, renew=new_tokens)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
     for line in repair_folder(settings.library):
@@ -78,7 +103,7 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
         if settings.source and not waits_for_sender:
             tell("compiling kernels (a minute the first time)")
             open_path(engine, library, settings.source, loop=settings.loop, record=settings.record)
-        app = create_app(engine, hub, library, settings)
+        app = create_app(engine, hub, library, settings, tokens)
         config = uvicorn.Config(
             app,
             log_level="warning",
@@ -86,11 +111,16 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell) -> None:
             ws_max_size=settings.upload.frame_kb * 1000,
             timeout_graceful_shutdown=2,
             lifespan="on",
+            proxy_headers=False,  # an address that a client names itself proves nothing
+            ssl_certfile=settings.tls_cert,
+            ssl_keyfile=settings.tls_key,
         )
         # uvicorn raises the signal again when it is done; ending well is not an error
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: None)
         tell("")
+        if shown:
+            show({role.label: token for role, token in shown.items()})
         uvicorn.Server(config).run(sockets=[listener])
     finally:
         engine.stop()

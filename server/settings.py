@@ -6,7 +6,7 @@ import os
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict
@@ -29,6 +29,11 @@ def default_library() -> Path:
 def default_studies() -> Path:
     """Where 'teleop study' keeps motions for the console: the folder studies beside the recordings."""
     return default_library().with_name("studies")
+
+
+def default_access() -> Path:
+    """Where the digests of the tokens are kept: a file beside the recordings."""
+    return default_library().with_name("access.json")
 
 
 def bundled_recordings() -> Path:
@@ -84,11 +89,34 @@ class UploadConfig(Section):
     frame_kb: int = Field(default=4096, ge=64, le=65536, description="largest pushed frame [kB]")
 
 
+class AccessConfig(Section):
+    """Who may do what."""
+
+    file: Path = Field(default_factory=default_access, description="file with the digests of the tokens")
+    local_role: Literal["none", "viewer", "operator", "supervisor"] = Field(
+        default="operator", description="role of clients on this machine that give no token"
+    )
+    login_days: float = Field(default=30.0, ge=0.01, le=365.0, description="how long a browser stays logged in [d]")
+    lease_idle_s: float = Field(
+        default=10.0, ge=1.0, le=3600.0, description="the lease lapses when its holder is gone for so long [s]"
+    )
+    commands_per_s: float = Field(
+        default=200.0, ge=1.0, le=10_000.0, description="commands that one address may send on average [1/s]"
+    )
+    command_burst: int = Field(default=400, ge=1, le=100_000, description="commands that one address may send at once")
+    messages_per_s: float = Field(
+        default=300.0, ge=10.0, le=10_000.0, description="messages that one client of the stream may send [1/s]"
+    )
+    failed_logins_per_min: int = Field(
+        default=10, ge=1, le=1000, description="wrong tokens that one address may try [1/min]"
+    )
+
+
 class Settings(Section):
     """Everything the server can be told."""
 
     host: str = Field(
-        default="127.0.0.1", min_length=1, description="address to listen on; beyond loopback it is open to all"
+        default="127.0.0.1", min_length=1, description="address to listen on; beyond loopback clients need a token"
     )
     port: int = Field(default=8000, ge=1, le=65535, description="TCP port to listen on")
     source: str = Field(default="", description="source URI to start with; empty waits for POST /api/v1/sessions")
@@ -103,6 +131,9 @@ class Settings(Section):
     stream: StreamConfig = Field(default_factory=StreamConfig)
     engine: LoopConfig = Field(default_factory=LoopConfig)
     upload: UploadConfig = Field(default_factory=UploadConfig)
+    access: AccessConfig = Field(default_factory=AccessConfig)
+    tls_cert: Path | None = Field(default=None, description="PEM file with the certificate chain; needs tls_key")
+    tls_key: Path | None = Field(default=None, description="PEM file with the certificate's private key")
     teleop: TeleopConfig = Field(default_factory=TeleopConfig)
     robot: RobotConfig = Field(default_factory=RobotConfig)
 

@@ -39,6 +39,7 @@ Mode = TypeAliasType(
 )
 Hand = TypeAliasType("Hand", Literal["open", "fist", "unknown"])
 Liquid = TypeAliasType("Liquid", Literal["water", "nutrient", "pesticide"])
+RoleName = TypeAliasType("RoleName", Literal["viewer", "operator", "supervisor"])
 ImageChoice = TypeAliasType("ImageChoice", Literal["depth", "color", "none"])
 
 
@@ -110,6 +111,35 @@ class Hello(Message):
     disc_range_rad: Vec2
     full_tank_l: float
     scenery: tuple[SceneryItem, ...]
+    boot: str = ""
+    """Differs from one start of the server to the next; with the id of the last event it resumes a stream."""
+    missed_events: int = 0
+    """Events after the one the client named that are no longer held."""
+
+
+class Party(Message):
+    """Somebody who is connected. id: public, derived from the secret client key."""
+
+    id: str
+    name: str
+    role: RoleName
+
+
+class LeaseState(Message):
+    """Who may command. requests: who asks for the lease, oldest first. since: Unix time [s]."""
+
+    holder: Party | None = None
+    requests: tuple[Party, ...] = ()
+    since: float | None = None
+
+
+class Access(Message):
+    """Who this client is and who commands: after hello and at every change. Never dropped. you: null = no access."""
+
+    type: Literal["access"] = "access"
+    you: Party | None
+    holds_lease: bool = False
+    lease: LeaseState = LeaseState()
 
 
 class SourceState(Message):
@@ -139,10 +169,12 @@ class SkeletonState(Message):
 
 
 class FloorState(Message):
-    """The floor as the tracker sees it."""
+    """The floor as the tracker sees it. pitch_deg: sensor tilted up positive, as ``teleop.intent.level.tilt_deg``."""
 
     camera_height_m: float
     tilt_deg: float
+    pitch_deg: float = 0.0
+    roll_deg: float = 0.0
 
 
 class AnglesState(Message):
@@ -259,15 +291,24 @@ class State(Message):
 class EventMessage(Message):
     """Something that happened once, at Unix time t [s]. Never dropped on the way to a client.
 
-    position_s: where the recording that plays was then; null for a live source.
+    position_s: where the recording that plays was then; null for a live source. id: counts up from 1 since the start.
     """
 
     type: Literal["event"] = "event"
+    id: int = 0
     t: float
     kind: str
     reason: str
     detail: str = ""
     position_s: float | None = None
+
+
+class Coverage(Message):
+    """What of the crop is wet. wet: leaf (scenery name without ``_lobe`` and ``_pair``) -> share wet with water,
+    nutrient and pesticide, 0..1; dry leaves are left out. A newer one replaces an older one in the send queue."""
+
+    type: Literal["coverage"] = "coverage"
+    wet: dict[str, Vec3]
 
 
 class ErrorMessage(Message):
@@ -278,10 +319,11 @@ class ErrorMessage(Message):
 
 
 class Painted(Message):
-    """Client: the overlay of state ``seq`` is on the screen."""
+    """Client: the overlay of state ``seq`` is on the screen. paint_ms: from its receipt there until then."""
 
     type: Literal["painted"] = "painted"
     seq: int = Field(ge=0)
+    paint_ms: float | None = Field(None, ge=0, le=60_000)
 
 
 class View(Message):
@@ -290,7 +332,8 @@ class View(Message):
     type: Literal["view"] = "view"
     image: ImageChoice = "depth"
     head: bool = False
+    parts: bool = False
 
 
-ServerMessage = Annotated[Hello | State | EventMessage | ErrorMessage, Field(discriminator="type")]
+ServerMessage = Annotated[Hello | Access | State | EventMessage | Coverage | ErrorMessage, Field(discriminator="type")]
 ClientMessage = Annotated[Painted | View, Field(discriminator="type")]

@@ -9,8 +9,11 @@ from typing import Annotated, TypeVar
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from server.access.desk import Desk
+from server.access.roles import Caller
 from server.engine.engine import CALL_TIMEOUT_S, Engine
 from server.errors import Refused
+from server.jobs import Jobs
 from server.library import Library
 from server.stream.hub import Hub
 
@@ -32,9 +35,35 @@ def _library(connection: HTTPConnection) -> Library:
     return library
 
 
+def _jobs(connection: HTTPConnection) -> Jobs:
+    jobs: Jobs = connection.app.state.jobs
+    return jobs
+
+
+def _desk(connection: HTTPConnection) -> Desk:
+    desk: Desk = connection.app.state.desk
+    return desk
+
+
+def _caller(connection: HTTPConnection) -> Caller | None:
+    caller: Caller | None = connection.scope["state"]["caller"]
+    return caller
+
+
+def _known_caller(connection: HTTPConnection) -> Caller:
+    caller = _caller(connection)
+    if caller is None:
+        raise Refused(401, "a token is needed; send it as 'Authorization: Bearer TOKEN', or log in", "token")
+    return caller
+
+
 EngineDep = Annotated[Engine, Depends(_engine)]
 HubDep = Annotated[Hub, Depends(_hub)]
 LibraryDep = Annotated[Library, Depends(_library)]
+JobsDep = Annotated[Jobs, Depends(_jobs)]
+DeskDep = Annotated[Desk, Depends(_desk)]
+OptionalCallerDep = Annotated[Caller | None, Depends(_caller)]
+CallerDep = Annotated[Caller, Depends(_known_caller)]
 
 
 async def done(future: Future[T]) -> T:

@@ -33,35 +33,39 @@ class Guard:
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
-        if (why := self._refusal(scope, headers)) is not None:
+        if (refused := self._refusal(scope, headers)) is not None:
+            code, why = refused
             if scope["type"] == "websocket":
                 await receive()
                 await send({"type": "websocket.close", "code": 1008, "reason": why[:120]})
             else:
-                await problem(403, why)(scope, receive, send)
+                await problem(403, why, code=code)(scope, receive, send)
             return
         if scope["type"] == "http":
             await self._limited(scope, receive, send, headers)
         else:
             await self._app(scope, receive, send)
 
-    def _refusal(self, scope: Scope, headers: Headers) -> str | None:
+    def _refusal(self, scope: Scope, headers: Headers) -> tuple[str, str] | None:
+        """Code and words, None when there is nothing against the request."""
         host = headers.get("host", "")
         if self._loopback_only and _name(host) not in LOOPBACK:
-            return f"host '{host}' is not this server; use http://127.0.0.1 or start it with --host"
+            return "host", f"host '{host}' is not this server; use http://127.0.0.1 or start it with --host"
         origin = headers.get("origin")
         changes = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
         if origin is None or not changes:
             return None
         if urlsplit(origin).netloc.lower() == host.lower() or origin.rstrip("/").lower() in self._allowed:
             return None
-        return f"origin '{origin}' may not command this server; name it in allowed_origins if it should"
+        return "origin", f"origin '{origin}' may not command this server; name it in allowed_origins if it should"
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send, headers: Headers) -> None:
         upload = headers.get("content-type", "").startswith("multipart/form-data")
         limit = self._upload_bytes if upload else self._json_bytes
         declared = headers.get("content-length", "0")
-        too_large = problem(413, f"the body is larger than {limit} bytes; the limit is in the settings under upload")
+        too_large = problem(
+            413, f"the body is larger than {limit} bytes; the limit is in the settings under upload", code="size"
+        )
         if not declared.isdigit() or int(declared) > limit:
             await too_large(scope, receive, send)
             return

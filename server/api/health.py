@@ -17,7 +17,7 @@ from server.api.problems import documented
 from server.engine.engine import Engine
 from server.errors import Refused
 from server.stream.hub import Hub
-from teleop.recording.writer import software_version
+from teleop.software import software_version
 
 router = APIRouter()
 
@@ -33,7 +33,7 @@ class Health(BaseModel):
 
 
 @router.get("/health", tags=["operation"], responses=documented(503))
-def health(engine: EngineDep) -> Health:
+def read_health(engine: EngineDep) -> Health:
     """200 while the engine runs, 503 when it has stopped; degraded while its last step is too old."""
     if not engine.is_alive():
         raise Refused(503, "the engine has stopped; see the server's log and restart it")
@@ -49,7 +49,7 @@ def health(engine: EngineDep) -> Health:
 
 
 @router.get("/state", tags=["operation"], responses=documented(503))
-def state(engine: EngineDep) -> wire.State:
+def read_state(engine: EngineDep) -> wire.State:
     """The same state as on the stream, at this moment."""
     latest = engine.publisher.latest()
     if latest is None:
@@ -91,7 +91,7 @@ def metrics_router(engine: Engine, hub: Hub) -> APIRouter:
     routes = APIRouter()
 
     @routes.get("/metrics", tags=["operation"], response_class=Response)
-    def metrics() -> Response:
+    def read_metrics() -> Response:
         """Prometheus text format."""
         return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 

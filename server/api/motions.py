@@ -66,7 +66,7 @@ def list_motions(folder: FolderDep) -> list[MotionFile]:
 
 
 @router.get("/{motion_id}", responses=documented(404, 409))
-def read(folder: FolderDep, motion_id: str) -> Motion:
+def get_motion(folder: FolderDep, motion_id: str) -> Motion:
     """Joint values in time, tool path and volumes."""
     files = _files(folder)
     if motion_id not in files:

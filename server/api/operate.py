@@ -121,14 +121,14 @@ async def estop(engine: EngineDep) -> Accepted:
 
 
 @router.post("/estop/reset", responses=documented(503))
-async def estop_reset(engine: EngineDep) -> Accepted:
+async def reset_estop(engine: EngineDep) -> Accepted:
     """Release the emergency stop; the operator must engage again."""
     await done(engine.estop(False))
     return Accepted()
 
 
 @router.post("/robot/command", responses=documented(422, 503))
-async def command(engine: EngineDep, ask: RobotAsk) -> Accepted:
+async def command_robot(engine: EngineDep, ask: RobotAsk) -> Accepted:
     """Direct control, through the same safety kernel and limits as the operator's."""
     ask.check(engine.settings.robot)
     await done(engine.ask(ask.request(), ask.for_s))
@@ -136,12 +136,12 @@ async def command(engine: EngineDep, ask: RobotAsk) -> Accepted:
 
 
 @router.get("/robot/urdf", response_class=Response, responses={200: {"content": {"application/xml": {}}}})
-def urdf(engine: EngineDep) -> Response:
+def read_urdf(engine: EngineDep) -> Response:
     """The robot's URDF, primitives only."""
     return Response(engine.urdf, media_type="application/xml")
 
 
 @router.get("/camera/head.jpg", response_class=Response, responses={200: {"content": {"image/jpeg": {}}}})
-async def head(engine: EngineDep) -> Response:
+async def head_picture(engine: EngineDep) -> Response:
     """What the robot's head camera sees now."""
     return Response(await done(engine.head_jpeg()), media_type="image/jpeg", headers={"Cache-Control": "no-store"})

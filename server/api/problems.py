@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
 
@@ -13,6 +15,7 @@ from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
 from robot_sim.errors import RobotError
+from server.access.desk import TooOften
 from server.errors import Refused, SettingsError
 from teleop.errors import TeleopError
 
@@ -26,13 +29,32 @@ class Problem(BaseModel):
     title: str = Field(description="name of the status")
     status: int = Field(description="HTTP status")
     detail: str = Field(description="what is wrong, what is legal, what to do next")
+    code: str | None = Field(None, description="which rule, for programs: token, role, origin, host, size, lease, rate")
     errors: list[dict[str, Any]] | None = Field(None, description="each refused field, when the body was wrong")
 
 
-def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None) -> JSONResponse:
+def problem(
+    status: int,
+    detail: str,
+    errors: list[dict[str, Any]] | None = None,
+    *,
+    code: str | None = None,
+    headers: Mapping[str, str] | None = None,
+) -> JSONResponse:
     """A problem-details response."""
-    body = Problem(type="about:blank", title=HTTPStatus(status).phrase, status=status, detail=detail, errors=errors)
-    return JSONResponse(body.model_dump(exclude_none=True), status, media_type=MEDIA_TYPE)
+    title = HTTPStatus(status).phrase
+    body = Problem(type="about:blank", title=title, status=status, detail=detail, code=code, errors=errors)
+    return JSONResponse(body.model_dump(exclude_none=True), status, dict(headers or {}), media_type=MEDIA_TYPE)
+
+
+def refusal(error: Refused) -> JSONResponse:
+    """The problem details of a refusal, with the headers that belong to its status."""
+    headers = {}
+    if error.status == 401:
+        headers["WWW-Authenticate"] = "Bearer"
+    if isinstance(error, TooOften):
+        headers["Retry-After"] = str(max(1, math.ceil(error.wait_s)))
+    return problem(error.status, error.detail, code=error.code, headers=headers)
 
 
 def documented(*statuses: int) -> dict[int | str, dict[str, Any]]:
@@ -49,7 +71,7 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(Refused)
     async def _refused(_: Request, error: Refused) -> JSONResponse:
-        return problem(error.status, error.detail)
+        return refusal(error)
 
     @app.exception_handler(SettingsError)
     async def _settings(_: Request, error: SettingsError) -> JSONResponse:

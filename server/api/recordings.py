@@ -34,7 +34,7 @@ def list_recordings(library: LibraryDep) -> list[Recording]:
 
 
 @router.post("", status_code=201, responses=documented(409, 413, 422))
-def upload(library: LibraryDep, file: UploadFile) -> Recording:
+def upload_recording(library: LibraryDep, file: UploadFile) -> Recording:
     """Take an MCAP recording in under its own file name."""
     try:
         entry = library.store(file.filename or "", file.file)
@@ -44,14 +44,14 @@ def upload(library: LibraryDep, file: UploadFile) -> Recording:
 
 
 @router.get("/{recording_id}", response_class=FileResponse, responses=documented(404))
-def download(library: LibraryDep, recording_id: str) -> FileResponse:
+def download_recording(library: LibraryDep, recording_id: str) -> FileResponse:
     """The file itself."""
     entry = library.find(recording_id)
     return FileResponse(entry.path, media_type="application/octet-stream", filename=entry.path.name)
 
 
 @router.delete("/{recording_id}", status_code=204, responses=documented(403, 404, 409))
-def delete(library: LibraryDep, engine: EngineDep, recording_id: str) -> None:
+def delete_recording(library: LibraryDep, engine: EngineDep, recording_id: str) -> None:
     """Remove an own recording; one that is playing or being written is not removed."""
     session = engine.session
     if session is not None and recording_id in (session.name, session.recording):

@@ -62,7 +62,7 @@ def _state(playback: Playback) -> ReplayState:
 
 
 @router.post("/play")
-def play(engine: EngineDep) -> ReplayState:
+def replay_play(engine: EngineDep) -> ReplayState:
     """Go on, or from the beginning after the end."""
     playback = _playback(engine)
     playback.play()
@@ -70,7 +70,7 @@ def play(engine: EngineDep) -> ReplayState:
 
 
 @router.post("/pause")
-def pause(engine: EngineDep) -> ReplayState:
+def replay_pause(engine: EngineDep) -> ReplayState:
     """Stand still; the robot is held, then stopped, as when frames stay away."""
     playback = _playback(engine)
     playback.pause()
@@ -78,7 +78,7 @@ def pause(engine: EngineDep) -> ReplayState:
 
 
 @router.post("/seek", responses=documented(422))
-def seek(engine: EngineDep, ask: Seek) -> ReplayState:
+def replay_seek(engine: EngineDep, ask: Seek) -> ReplayState:
     """Jump; tracking begins anew there and the robot eases to what it sees."""
     playback = _playback(engine)
     playback.seek(ask.position_s)
@@ -86,7 +86,7 @@ def seek(engine: EngineDep, ask: Seek) -> ReplayState:
 
 
 @router.post("/speed", responses=documented(422))
-def speed(engine: EngineDep, ask: Speed) -> ReplayState:
+def replay_speed(engine: EngineDep, ask: Speed) -> ReplayState:
     """Play slower or faster; the robot's time runs along."""
     playback = _playback(engine)
     playback.set_speed(ask.speed)
@@ -94,7 +94,7 @@ def speed(engine: EngineDep, ask: Speed) -> ReplayState:
 
 
 @router.post("/loop", responses=documented(422))
-def loop(engine: EngineDep, ask: Loop) -> ReplayState:
+def replay_loop(engine: EngineDep, ask: Loop) -> ReplayState:
     """Begin again at the end, or stop there."""
     playback = _playback(engine)
     playback.set_loop(ask.loop)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -14,23 +15,30 @@ def serve(
     source: Annotated[str | None, typer.Option(help="Recording, RGB-D folder or sensor URI to start with.")] = None,
     loop: Annotated[bool | None, typer.Option("--loop/--no-loop", help="Start a recording again at its end.")] = None,
     record: Annotated[bool | None, typer.Option("--record/--no-record", help="Record the session.")] = None,
+    tls_cert: Annotated[Path | None, typer.Option(help="PEM certificate chain: serve https.", metavar="FILE")] = None,
+    tls_key: Annotated[Path | None, typer.Option(help="PEM private key of the certificate.", metavar="FILE")] = None,
+    new_tokens: Annotated[
+        bool, typer.Option("--new-tokens", help="Make new tokens for the three roles; the old ones and logins end.")
+    ] = False,
     config: Annotated[Path | None, typer.Option(help="TOML file with settings.", metavar="FILE")] = None,
 ) -> None:
     """Serve the operator console and the API, and move the robot."""
     from rich.console import Console
 
-    from server.runner import listen
+    from server.runner import check_tls, listen
     from server.runner import serve as run
     from server.settings import load_settings
 
-    flags = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
+    flags: dict[str, object] = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
+    flags |= {"tls_cert": tls_cert, "tls_key": tls_key}
     settings = load_settings(config, flags)
     out = Console(highlight=False)
     errors = Console(stderr=True, highlight=False)
-    if settings.is_public:
+    check_tls(settings)
+    if settings.is_public and settings.tls_cert is None:
         errors.print(
-            f"[bold]warning:[/bold] {settings.host} can be reached from other computers, and there is no "
-            "authentication yet: anybody in the network can drive the robot",
+            f"[bold]warning:[/bold] {settings.host} can be reached from other computers, and tokens, pictures and "
+            "commands travel in the clear; use --tls-cert and --tls-key, or a network that you trust",
             soft_wrap=True,
         )
     listener = listen(settings)
@@ -43,7 +51,13 @@ def serve(
             status.stop()
             host = f"[{settings.host}]" if ":" in settings.host else settings.host
             playing = f"source {settings.source}" if settings.source else "no source yet"
-            out.print(f"http://{host}:{settings.port}  {playing}  (Ctrl-C stops)", soft_wrap=True)
+            scheme = "http" if settings.tls_cert is None else "https"
+            out.print(f"{scheme}://{host}:{settings.port}  {playing}  (Ctrl-C stops)", soft_wrap=True)
 
-        run(settings, listener, tell)
+        def show(tokens: Mapping[str, str]) -> None:
+            out.print("tokens, shown this once; clients on this machine need none to operate:")
+            for role, token in tokens.items():
+                out.print(f"  {role:<10} {token}", soft_wrap=True)
+
+        run(settings, listener, tell, show, new_tokens=new_tokens)
     out.print("stopped")

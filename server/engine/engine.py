@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import uuid
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -43,6 +44,8 @@ class Engine(threading.Thread):
 
     def __init__(self, settings: Settings, tracker: BodyTracker, world: World, hub: Hub) -> None:
         super().__init__(name="engine", daemon=True)
+        self.boot = uuid.uuid4().hex[:12]
+        """Differs from one start of the server to the next."""
         self.ledger = Ledger(settings.engine.ledger_frames)
         self.publisher = Publisher(hub, self.ledger, settings.stream)
         self._settings = settings
@@ -95,7 +98,8 @@ class Engine(threading.Thread):
     def hello(self) -> wire.Hello:
         """The first message for a client."""
         session = self._session
-        return hello(self._settings, session.info.camera if session else Camera(), self._scenery)
+        camera = session.info.camera if session else Camera()
+        return hello(self._settings, camera, self._scenery).model_copy(update={"boot": self.boot})
 
     def call(self, work: Callable[[], T]) -> Future[T]:
         """Run something between two steps, on this thread, as soon as possible."""
@@ -186,6 +190,17 @@ class Engine(threading.Thread):
         """A picture of the head camera."""
         return self.call(lambda: self._head_picture(0))
 
+    def audit(self, action: str, detail: str) -> None:
+        """Tell the recording that is being made who did what. Does nothing while the server shuts down."""
+
+        def work() -> None:
+            session = self._session
+            if session is not None and session.recorder is not None:
+                session.recorder.audit(action, detail)
+
+        if not self._stopping:
+            self.call(work)
+
     def stop(self) -> None:
         """Stop the robot, close source and recording, end the thread."""
         with self._switching:
@@ -236,6 +251,8 @@ class Engine(threading.Thread):
         session = self._session
         self._stepped_s = time.monotonic()
         self.publisher.publish(moment)
+        if self._hub.count:
+            self.publisher.coverage(self._core.world.wet_leaves)
         if session is not None and session.recorder is not None and session.recording_now:
             session.recording_now = session.recorder.write(moment)
             if not session.recording_now:

@@ -11,7 +11,7 @@ from server import wire
 from server.settings import Settings
 from teleop.frames import Camera
 from teleop.joints import BONES, JOINT_NAMES
-from teleop.recording.writer import software_version
+from teleop.software import software_version
 
 URDF_URL = "/api/v1/robot/urdf"
 

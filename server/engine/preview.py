@@ -9,9 +9,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from server.engine.parts_picture import parts_packet
 from server.images_wire import ImageKind, ImagePacket
 from server.settings import StreamConfig
 from teleop.frames import DepthFrame, DepthImage
+from teleop.skeleton import BodyParts
 
 Picture = npt.NDArray[np.uint8]
 
@@ -58,13 +60,13 @@ class Previewer(threading.Thread):
         self._config = config
         self._deliver = deliver
         self._work = threading.Condition()
-        self._frame: tuple[DepthFrame, int, frozenset[ImageKind]] | None = None
+        self._frame: tuple[DepthFrame, BodyParts | None, int, frozenset[ImageKind]] | None = None
         self._stopping = False
 
-    def offer(self, frame: DepthFrame, seq: int, wanted: frozenset[ImageKind]) -> None:
-        """Leave a frame to be shown; one not yet begun is replaced."""
+    def offer(self, frame: DepthFrame, parts: BodyParts | None, seq: int, wanted: frozenset[ImageKind]) -> None:
+        """Leave a frame to be shown, with the forest's answer for it; one not yet begun is replaced."""
         with self._work:
-            self._frame = (frame, seq, wanted)
+            self._frame = (frame, parts, seq, wanted)
             self._work.notify()
 
     def stop(self) -> None:
@@ -82,9 +84,11 @@ class Previewer(threading.Thread):
                 self._work.wait_for(lambda: self._frame is not None or self._stopping)
                 if self._stopping or self._frame is None:
                     return
-                (frame, seq, wanted), self._frame = self._frame, None
+                (frame, parts, seq, wanted), self._frame = self._frame, None
             quality = self._config.jpeg_quality
             if ImageKind.DEPTH in wanted:
                 self._deliver(encoded(ImageKind.DEPTH, depth_picture(frame.depth_mm, self._config), seq, quality))
             if ImageKind.COLOR in wanted and frame.color_rgb is not None:
                 self._deliver(encoded(ImageKind.COLOR, color_picture(frame.color_rgb, self._config), seq, quality))
+            if ImageKind.PARTS in wanted:
+                self._deliver(parts_packet(parts, frame.camera.depth.width, frame.camera.depth.height, seq))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections import OrderedDict, deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from server import wire
 from server.engine import snapshot
@@ -19,7 +21,17 @@ from teleop.intent_types import Event, Mode, Zone
 from teleop.modes import IN_CONTROL
 
 _REMEMBERED = 600
-_PICTURES = frozenset({ImageKind.DEPTH, ImageKind.COLOR})
+_COVERAGE_S = 0.5
+_PICTURES = frozenset({ImageKind.DEPTH, ImageKind.COLOR, ImageKind.PARTS})
+
+
+@dataclass(frozen=True, slots=True)
+class _Sent:
+    """When a state's frame was received, when its message was begun [s, monotonic], the filter's delay [s]."""
+
+    received_s: float
+    begun_s: float
+    filter_s: float
 
 
 class Publisher:
@@ -31,10 +43,14 @@ class Publisher:
         self._config = config
         self._previewer = Previewer(config, hub.post_image)
         self._lock = threading.Lock()
-        self._received_s: OrderedDict[int, float] = OrderedDict()
+        self._telling = threading.Lock()
+        self._event_id = 0
+        self._sent: OrderedDict[int, _Sent] = OrderedDict()
         self._arrivals: deque[float] = deque(maxlen=60)
         self._seq = 0
         self._state_s = self._fresh_s = self._image_s = 0.0
+        self._coverage_s = 0.0
+        self._wet: dict[str, tuple[float, float, float]] = {}
         self._current: Moment | None = None
         self.session: Session | None = None
         """What is playing now; set by the engine."""
@@ -66,10 +82,11 @@ class Publisher:
         if self._hub.count == 0:
             return
         if moment.fresh and moment.received_s is not None:
+            filter_s = self._ledger.last_s("filter") if moment.output and moment.output.track.skeleton else 0.0
             with self._lock:
-                self._received_s[self._seq] = moment.received_s
-                while len(self._received_s) > _REMEMBERED:
-                    self._received_s.popitem(last=False)
+                self._sent[self._seq] = _Sent(moment.received_s, now_s, filter_s)
+                while len(self._sent) > _REMEMBERED:
+                    self._sent.popitem(last=False)
         text = self._state(moment).model_dump_json()
         self._ledger.add("encode", time.monotonic() - now_s)
         self._hub.post_state(text)
@@ -79,24 +96,46 @@ class Publisher:
         self.announce(str(event.kind), str(event.reason), event.detail)
 
     def announce(self, kind: str, reason: str, detail: str = "") -> None:
-        """An event of the server's own, at this moment."""
+        """An event of the server's own, at this moment. May be called from any thread."""
         session = self.session
         replayed = session is not None and not session.info.live
-        message = wire.EventMessage(
-            t=round(time.time(), 3),
-            kind=kind,
-            reason=reason,
-            detail=detail,
-            position_s=round(session.playback.state.position_s, 2) if session is not None and replayed else None,
-        )
-        self._hub.post_event(message.model_dump_json(), remember=True)
+        position_s = round(session.playback.state.position_s, 2) if session is not None and replayed else None
+        with self._telling:  # ids reach the clients in their order
+            self._event_id += 1
+            message = wire.EventMessage(
+                id=self._event_id,
+                t=round(time.time(), 3),
+                kind=kind,
+                reason=reason,
+                detail=detail,
+                position_s=position_s,
+            )
+            self._hub.post_event(message.model_dump_json(), self._event_id)
 
-    def painted(self, seq: int) -> None:
+    def coverage(self, ask: Callable[[], Mapping[str, tuple[float, float, float]]]) -> None:
+        """Tell what of the crop is wet when it has changed; asks at most every half second."""
+        now_s = time.monotonic()
+        if now_s - self._coverage_s < _COVERAGE_S:
+            return
+        self._coverage_s = now_s
+        wet = dict(ask())
+        if wet == self._wet:
+            return
+        self._wet = wet
+        self._hub.post_coverage(wire.Coverage(wet=wet).model_dump_json())
+
+    def painted(self, seq: int, paint_ms: float | None = None) -> None:
         """A client has painted the overlay of state ``seq``: one sample of the whole way, way back included."""
         with self._lock:
-            received_s = self._received_s.pop(seq, None)
-        if received_s is not None:
-            self._ledger.add("total", time.monotonic() - received_s)
+            sent = self._sent.pop(seq, None)
+        if sent is None:
+            return
+        now_s = time.monotonic()
+        self._ledger.add("total", now_s - sent.received_s)
+        self._ledger.add("motion", now_s - sent.received_s + sent.filter_s)
+        if paint_ms is not None:
+            self._ledger.add("paint", paint_ms / 1e3)
+            self._ledger.add("send", max(0.0, now_s - sent.begun_s - paint_ms / 1e3))
 
     def latest(self) -> wire.State | None:
         """The present state, or None before the first step."""
@@ -110,7 +149,8 @@ class Publisher:
             return
         if now_s - self._image_s >= 0.8 / self._config.image_hz:
             self._image_s = now_s
-            self._previewer.offer(moment.frame, self._seq, wanted)
+            parts = moment.output.track.parts if moment.output else None
+            self._previewer.offer(moment.frame, parts, self._seq, wanted)
 
     def _state(self, moment: Moment) -> wire.State:
         output = moment.output

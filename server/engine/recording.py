@@ -58,6 +58,7 @@ class SessionRecorder:
         self._recorder = AsyncRecorder(writer, on_event=on_event, lossless=lossless)
         self._last_ns: int | None = None
         self._waiting: dict[str, Any] | None = None
+        self._audits: list[tuple[str, str]] = []
         self._closed = False
         self.name = path.stem
 
@@ -73,6 +74,7 @@ class SessionRecorder:
         if moment.fresh and later and frame is not None and output is not None:
             t_ns = self._last_ns = frame.t_ns
             self._write_waiting(t_ns)
+            self._write_audits(t_ns)
             self._recorder.write_frame(frame)
             self._recorder.write_skeleton(t_ns, output.track.skeleton)
             self._recorder.write_row(t_ns, track_row(output.track, output.intent, moment.command))
@@ -90,11 +92,23 @@ class SessionRecorder:
         if self._last_ns is not None:
             self._write_waiting(self._last_ns)
 
+    def audit(self, action: str, detail: str) -> None:
+        """Record who did what; what comes before the first frame waits for it."""
+        if not self._closed:
+            self._audits.append((action, detail))
+            if self._last_ns is not None:
+                self._write_audits(self._last_ns)
+
     def close(self) -> None:
         """Write what is queued and close the file; safe to call twice."""
         if not self._closed:
             self._closed = True
             self._recorder.close()
+
+    def _write_audits(self, t_ns: int) -> None:
+        for action, detail in self._audits:
+            self._recorder.write_event(Event(t_ns, "audit", f"audit.{action}", detail))
+        self._audits.clear()
 
     def _write_waiting(self, t_ns: int) -> None:
         if self._waiting is not None:

@@ -38,12 +38,18 @@ def skeleton_state(skeleton: Skeleton | None, camera: Camera) -> wire.SkeletonSt
 
 
 def floor_state(floor: FloorPlane | None) -> wire.FloorState | None:
-    """Camera height, and tilt as the angle between the floor's normal and the camera's y axis."""
+    """Camera height, tilt as the angle between the floor's normal and the camera's y axis, and its two components."""
     if floor is None:
         return None
     up = floor.normal / np.linalg.norm(floor.normal)
     tilt_deg = math.degrees(math.acos(float(np.clip(up[1], -1.0, 1.0))))
-    return wire.FloorState(camera_height_m=round(float(floor.camera_height_m), 3), tilt_deg=round(tilt_deg, 2))
+    return wire.FloorState(
+        camera_height_m=round(float(floor.camera_height_m), 3),
+        tilt_deg=round(tilt_deg, 2),
+        # the rotation that teleop.level makes of a tilt, read backwards
+        pitch_deg=round(math.degrees(math.atan2(up[2], up[1])), 2),
+        roll_deg=round(math.degrees(math.atan2(up[0], up[1])), 2),
+    )
 
 
 def angles_state(angles: BodyAngles) -> wire.AnglesState:

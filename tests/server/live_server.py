@@ -14,6 +14,7 @@ from pathlib import Path
 import uvicorn
 
 from robot_sim.world import World
+from server.access.tokens import new_tokens
 from server.app import create_app
 from server.engine.engine import Engine
 from server.library import Library
@@ -24,6 +25,8 @@ from teleop.body.tracker import BodyTracker
 from teleop.frames import DepthFrame
 from teleop.recording import McapSource, McapWriter
 
+TOKENS, TOKEN = new_tokens()
+"""What the server knows, and the token of each role."""
 STANDING_S, COUNT = 2.0, 60
 
 
@@ -65,7 +68,7 @@ def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engin
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 16)
         listener.bind(("127.0.0.1", 0))
         listener.listen()
-        app = create_app(engine, hub, library, settings)
+        app = create_app(engine, hub, library, settings, TOKENS)
         server = uvicorn.Server(uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=1))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()

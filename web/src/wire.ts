@@ -27,6 +27,8 @@ export type Hand = "open" | "fist" | "unknown";
 
 export type Liquid = "water" | "nutrient" | "pesticide";
 
+export type RoleName = "viewer" | "operator" | "supervisor";
+
 export type ImageChoice = "depth" | "color" | "none";
 
 /** The depth camera of the present source; lengths in pixels. */
@@ -83,6 +85,30 @@ export interface Hello {
   disc_range_rad: Vec2;
   full_tank_l: number;
   scenery: SceneryItem[];
+  boot: string;
+  missed_events: number;
+}
+
+/** Somebody who is connected. id: public, derived from the secret client key. */
+export interface Party {
+  id: string;
+  name: string;
+  role: RoleName;
+}
+
+/** Who may command. requests: who asks for the lease, oldest first. since: Unix time [s]. */
+export interface LeaseState {
+  holder: Party | null;
+  requests: Party[];
+  since: number | null;
+}
+
+/** Who this client is and who commands: after hello and at every change. Never dropped. you: null = no access. */
+export interface Access {
+  type: "access";
+  you: Party | null;
+  holds_lease: boolean;
+  lease: LeaseState;
 }
 
 /** What is playing. position_s counts from the first frame; duration_s is null for a live source. */
@@ -108,10 +134,12 @@ export interface SkeletonState {
   confidence: { [key: string]: number };
 }
 
-/** The floor as the tracker sees it. */
+/** The floor as the tracker sees it. pitch_deg: sensor tilted up positive, as ``teleop.intent.level.tilt_deg``. */
 export interface FloorState {
   camera_height_m: number;
   tilt_deg: number;
+  pitch_deg: number;
+  roll_deg: number;
 }
 
 /** AnglesState of the operator's body in degrees, continuous; null where there is no answer. */
@@ -213,14 +241,21 @@ export interface State {
   clients: number;
 }
 
-/** Something that happened once, at Unix time t [s]. Never dropped on the way to a client. position_s: where the recording that plays was then; null for a live source. */
+/** Something that happened once, at Unix time t [s]. Never dropped on the way to a client. position_s: where the recording that plays was then; null for a live source. id: counts up from 1 since the start. */
 export interface EventMessage {
   type: "event";
+  id: number;
   t: number;
   kind: string;
   reason: string;
   detail: string;
   position_s: number | null;
+}
+
+/** What of the crop is wet. wet: leaf (scenery name without ``_lobe`` and ``_pair``) -> share wet with water, nutrient and pesticide, 0..1; dry leaves are left out. A newer one replaces an older one in the send queue. */
+export interface Coverage {
+  type: "coverage";
+  wet: { [key: string]: Vec3 };
 }
 
 /** Why the server refused a message of this client. */
@@ -229,10 +264,11 @@ export interface ErrorMessage {
   detail: string;
 }
 
-/** Client: the overlay of state ``seq`` is on the screen. */
+/** Client: the overlay of state ``seq`` is on the screen. paint_ms: from its receipt there until then. */
 export interface Painted {
   type: "painted";
   seq: number;
+  paint_ms: number | null;
 }
 
 /** Client: which pictures it wants. */
@@ -240,8 +276,9 @@ export interface View {
   type: "view";
   image: ImageChoice;
   head: boolean;
+  parts: boolean;
 }
 
-export type ServerMessage = Hello | State | EventMessage | ErrorMessage;
+export type ServerMessage = Hello | Access | State | EventMessage | Coverage | ErrorMessage;
 
 export type ClientMessage = Painted | View;
