@@ -10,9 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-MAX_DT_S = 0.1
-"""A frame counts for no longer than this: a gap in time is no evidence."""
-
 
 @dataclass(frozen=True, slots=True)
 class Border:
@@ -24,13 +21,13 @@ class Border:
 
 
 def accumulate(total: float, beyond: float, dt_s: float, border: Border, weight: float = 1.0) -> float:
-    """The evidence after one frame.
+    """The evidence after one frame of ``dt_s`` seconds, which the caller caps: a gap in time is no evidence.
 
     total: evidence so far. beyond: how far the value lies across the border, negative on the near side.
     weight: how much the value counts, 1 at its best; proportional to the inverse of its variance.
     """
     counted = min(border.clip, max(-border.clip, beyond - border.margin))
-    return max(0.0, total + counted * weight * min(dt_s, MAX_DT_S))
+    return max(0.0, total + counted * weight * dt_s)
 
 
 @dataclass(frozen=True, slots=True)

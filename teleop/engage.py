@@ -9,9 +9,6 @@ from teleop.config.intent import EngageConfig
 from teleop.intent_types import SIDES, BodyAngles, Hand, Hands, Side
 from teleop.skeleton import Skeleton
 
-LEAK = 2.0
-"""A gesture that breaks off runs back this many times faster than it grew, so that one bad frame does not end it."""
-
 
 def hand_beside_head(skeleton: Skeleton, side: Side, elbow_deg: float | None, config: EngageConfig) -> bool:
     """One arm of the engage gesture: the hand beside the head on its own side, above its elbow, elbow bent."""
@@ -29,9 +26,9 @@ def hand_beside_head(skeleton: Skeleton, side: Side, elbow_deg: float | None, co
 
 
 def engage_pose(skeleton: Skeleton, angles: BodyAngles, hands: Hands, config: EngageConfig) -> bool:
-    """Both hands beside the head, elbows bent, no fist among them."""
+    """Both hands beside the head, elbows bent, and both seen to be open: a hand that cannot be read engages nobody."""
     elbow_deg = {"right": angles.right.theta3_deg, "left": angles.left.theta3_deg}
-    if Hand.FIST in (hands.right, hands.left):
+    if not hands.right is hands.left is Hand.OPEN:
         return False
     return all(hand_beside_head(skeleton, side, elbow_deg[side], config) for side in SIDES)
 
@@ -83,10 +80,10 @@ def step_gestures(
     """One frame: whether the two poses are held now, in; whether the gestures are complete, out."""
     released_s = 0.0 if engage else state.released_s + dt_s
     armed = state.armed or released_s >= config.release_s
-    grown = state.engage_s + dt_s if engage and armed else state.engage_s - LEAK * dt_s
+    grown = state.engage_s + dt_s if engage and armed else state.engage_s - config.leak * dt_s
     engage_s = min(config.hold_s, max(0.0, grown))
     toggle = armed and engage and engage_s >= config.hold_s - 1e-9
-    crossed_s = state.crossed_s + dt_s if crossed else state.crossed_s - LEAK * dt_s
+    crossed_s = state.crossed_s + dt_s if crossed else state.crossed_s - config.leak * dt_s
     crossed_s = min(config.crossed_s, max(0.0, crossed_s))
     stop = crossed_s >= config.crossed_s - 1e-9
     after = GestureState(0.0 if toggle else engage_s, released_s, armed and not toggle, crossed_s)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from teleop.angles import NO_ANGLES, body_angles, leg_angles
-from teleop.config.intent import IntentConfig
+from teleop.config.intent import HandConfig, IntentConfig
 from teleop.control import Control, Seen, step_control
 from teleop.engage import Gestures, GestureState, engage_pose, forearms_crossed, step_gestures
 from teleop.frames import DepthFrame
@@ -22,14 +23,17 @@ from teleop.stillness import Gait, step_gait
 from teleop.task import TaskState, step_task
 from teleop.zones import ZoneState, step_zone
 
-MAX_DT_S = 0.25
-"""A frame counts for no longer than this in dwells and gestures: a gap in time proves nothing."""
+HandReader = Callable[[DepthFrame, Skeleton | None, HandConfig], Hands]
+"""What both hands show in one frame; the skeleton in camera axes."""
 LEGS = [JOINT_INDEX[name] for name in ("hip_right", "knee_right", "hip_left", "knee_left")]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IntentState:
-    """Memory between frames, one part per question."""
+    """Memory between frames, one part per question.
+
+    shown_zone: the zone the last frame was said to lie in. leaving: the operator was last seen outside all zones.
+    """
 
     mode: Mode = Mode.NO_PERSON
     control: Control = field(default_factory=Control)
@@ -41,6 +45,8 @@ class IntentState:
     left_hand: HandMemory = field(default_factory=HandMemory)
     gait: Gait = field(default_factory=Gait)
     progress: float = 0.0
+    shown_zone: Zone = Zone.NONE
+    leaving: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +72,36 @@ def spine_xz_m(body: Skeleton | None) -> tuple[float, float] | None:
     return None if spine is None else (float(spine[0]), float(spine[2]))
 
 
+def _zone(state: IntentState, sight: Sight, body: Skeleton | None, dt_s: float, config: IntentConfig) -> ZoneState:
+    """The zone of this frame: the last one while tracking fails for a moment, none once the operator has left."""
+    if body is not None:
+        return step_zone(state.zone, spine_xz_m(body), dt_s, config.zones)
+    if sight.body is None or state.leaving or sight.lost_s > config.safety.lost_hold_s:
+        return ZoneState()
+    return state.zone
+
+
 def _observe(
-    frame: DepthFrame, track: Track, state: IntentState, dt_s: float, true_dt_s: float, config: IntentConfig
+    frame: DepthFrame,
+    track: Track,
+    state: IntentState,
+    dt_s: float,
+    true_dt_s: float,
+    config: IntentConfig,
+    read: HandReader,
 ) -> tuple[Gestures, IntentState]:
     """Everything that only a new frame can change, but for control, task and mode."""
-    sight = step_sight(state.sight, track, true_dt_s, state.control.engaged, config)
+    # who was seen to walk out is not waited for
+    sight = step_sight(state.sight, track, true_dt_s, state.control.engaged and not state.leaving, config)
     body = sight.body if sight.seen_now else None
-    seen = read_hands(frame, track.skeleton if body is not None else None, config.hands)
+    seen = read(frame, track.skeleton if body is not None else None, config.hands)
+    zone = _zone(state, sight, body, dt_s, config)
     state = replace(
         state,
         sight=sight,
-        gait=step_gait(state.gait, spine_xz_m(body), dt_s),
-        zone=ZoneState() if sight.body is None else step_zone(state.zone, spine_xz_m(body), dt_s, config.zones),
+        gait=step_gait(state.gait, spine_xz_m(body), dt_s, config.task.gait_smoothing_s),
+        zone=zone,
+        leaving=state.leaving if body is None else Zone.OUT in (zone.zone, zone.candidate),
         right_hand=step_hand(state.right_hand, seen.right, seen.right_confidence, dt_s, config.hands),
         left_hand=step_hand(state.left_hand, seen.left, seen.left_confidence, dt_s, config.hands),
     )
@@ -107,15 +131,19 @@ def interpret(
     inputs: Inputs,
     now: Circumstances,
     config: IntentConfig,
+    read: HandReader = read_hands,
 ) -> tuple[Intent, IntentState]:
-    """One frame. None at all, or one that was refused, changes nothing but what the buttons ask for."""
+    """One frame. None at all, or one that was refused, changes nothing but what the buttons ask for.
+
+    read: the rule that reads the hands.
+    """
     before = state
-    dt_s = min(now.dt_s, MAX_DT_S)
+    dt_s = min(now.dt_s, config.safety.max_dt_s)
     if now.restarted:
-        state = IntentState(mode=state.mode, control=state.control)
+        state = IntentState(mode=state.mode, control=state.control, shown_zone=state.shown_zone)
     gestures = Gestures(toggle=False, stop=state.mode is Mode.STOPPED and not state.control.estop, progress=0.0)
     if now.used and frame is not None and track is not None:
-        gestures, state = _observe(frame, track, state, dt_s, now.dt_s, config)
+        gestures, state = _observe(frame, track, state, dt_s, now.dt_s, config, read)
     sight = state.sight
     seen = Seen(
         person=sight.body is not None,
@@ -134,7 +162,8 @@ def interpret(
             task = step_task(task, *_legs(state, config), dt_s, config.task)
     conditions = Conditions(
         person=seen.person,
-        tracked=sight.lost_s <= config.safety.lost_hold_s and not inputs.source_failed,
+        tracked=(sight.seen_now or (sight.lost_s <= config.safety.lost_hold_s and not state.leaving))
+        and not inputs.source_failed,
         engaged=control.engaged,
         stopped=control.estop or gestures.stop,
         zone=zone,
@@ -144,7 +173,7 @@ def interpret(
         end_reason=control.end_reason,
     )
     path = next_mode(state.mode, conditions)
-    state = replace(state, control=control, task=task, mode=path[-1][0] if path else state.mode)
+    state = replace(state, control=control, task=task, mode=path[-1][0] if path else state.mode, shown_zone=zone)
     intent = Intent(
         t_ns=now.t_ns,
         zone=zone,
@@ -154,7 +183,7 @@ def interpret(
         spine_xz_m=spine_xz_m(sight.body if sight.seen_now else None),
         engage_progress=state.progress,
         reasons=_unique(now.reasons, sight.reasons if now.used else (), control.refusals),
-        events=_events(now.t_ns, before, state, path, zone),
+        events=_events(now.t_ns, before, state, path),
     )
     return intent, state
 
@@ -168,7 +197,7 @@ def _unique(*groups: tuple[Reason, ...]) -> tuple[str, ...]:
 
 
 def _events(
-    t_ns: int, before: IntentState, after: IntentState, path: tuple[tuple[Mode, Reason], ...], zone: Zone
+    t_ns: int, before: IntentState, after: IntentState, path: tuple[tuple[Mode, Reason], ...]
 ) -> tuple[Event, ...]:
     """What happened once at this frame: e-stop, refusals, changes of mode and zone."""
     events: list[Event] = []
@@ -179,6 +208,10 @@ def _events(
     for new, reason in path:
         events.append(Event(t_ns, "mode", reason, f"{mode} -> {new}"))
         mode = new
-    if zone is not before.zone.zone and after.sight.body is not None:
-        events.append(Event(t_ns, "zone", Reason.ZONE_ENTERED, f"{before.zone.zone} -> {zone}"))
+    old, zone = before.shown_zone, after.shown_zone
+    if zone is not old:
+        reason = Reason.ZONE_ENTERED
+        if zone is Zone.NONE:
+            reason = Reason.PERSON_LEFT if before.leaving or after.sight.body is None else Reason.TRACKING_LOST
+        events.append(Event(t_ns, "zone", reason, f"{old} -> {zone}"))
     return tuple(events)

@@ -13,8 +13,9 @@ from teleop.body.tracker import BodyTracker, TrackerState
 from teleop.config import TeleopConfig
 from teleop.control import Control
 from teleop.frames import DepthFrame
+from teleop.hands.reader import read_hands
 from teleop.inputs import Inputs, RobotRequest
-from teleop.intent import MAX_DT_S, Circumstances, IntentState, interpret
+from teleop.intent import Circumstances, HandReader, IntentState, interpret
 from teleop.intent_types import Event, Intent
 from teleop.kernel import KernelState, Moment, step_kernel
 from teleop.reasons import Reason
@@ -59,9 +60,11 @@ class PipelineOutput:
 class Pipeline:
     """Perception, intent and safety with one configuration; holds no state of its own."""
 
-    def __init__(self, tracker: BodyTracker, config: TeleopConfig) -> None:
+    def __init__(self, tracker: BodyTracker, config: TeleopConfig, hands: HandReader = read_hands) -> None:
+        """hands: the rule that reads them, one frame at a time."""
         self.tracker = tracker
         self.config = config
+        self.hands = hands
 
     def initial_state(self, assume_engaged: bool = False) -> PipelineState:
         """Nobody seen, nothing commanded. assume_engaged: whoever is seen is in control (offline tracking)."""
@@ -105,7 +108,7 @@ class Pipeline:
             restarted=stream.restarted,
             reasons=reasons,
         )
-        intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent)
+        intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent, self.hands)
         return intent, replace(state, intent=after)
 
     def press(self, t_ns: int, state: PipelineState, inputs: Inputs) -> tuple[Intent, PipelineState]:
@@ -121,7 +124,7 @@ class Pipeline:
         sight = state.intent.sight
         moment = Moment(
             body=sight.body if sight.seen_now else None,
-            dt_s=min(state.stream.dt_s, MAX_DT_S),
+            dt_s=min(state.stream.dt_s, self.config.intent.safety.max_dt_s),
             zone_settled=state.intent.zone.settled,
             estop=state.intent.control.estop,
             head_camera_sweep=state.intent.task.head_camera_sweep,

@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import exp, hypot
 
-SMOOTHING_S = 0.15
-"""Time constant of the low-pass the speed is taken from: 20 mm RMS of noise reads as less than 0.1 m/s."""
-
 
 @dataclass(frozen=True, slots=True)
 class Gait:
@@ -17,14 +14,14 @@ class Gait:
     speed_m_s: float = 0.0
 
 
-def step_gait(gait: Gait, spine_xz_m: tuple[float, float] | None, dt_s: float) -> Gait:
-    """One frame; an unknown spine begins anew."""
+def step_gait(gait: Gait, spine_xz_m: tuple[float, float] | None, dt_s: float, smoothing_s: float) -> Gait:
+    """One frame; an unknown spine begins anew. smoothing_s: time constant of the low-pass the speed is taken from."""
     if spine_xz_m is None:
         return Gait()
     if gait.xz_m is None:
         return Gait(spine_xz_m)
     dx, dz = spine_xz_m[0] - gait.xz_m[0], spine_xz_m[1] - gait.xz_m[1]
     # a ramp lags behind its low-pass by speed times time constant
-    share = 1.0 - exp(-dt_s / SMOOTHING_S)
+    share = 1.0 - exp(-dt_s / smoothing_s)
     place = (gait.xz_m[0] + share * dx, gait.xz_m[1] + share * dz)
-    return Gait(place, hypot(spine_xz_m[0] - place[0], spine_xz_m[1] - place[1]) / SMOOTHING_S)
+    return Gait(place, hypot(spine_xz_m[0] - place[0], spine_xz_m[1] - place[1]) / smoothing_s)

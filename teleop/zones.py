@@ -71,6 +71,7 @@ class ZoneState:
 def step_zone(state: ZoneState, spine_xz_m: tuple[float, float] | None, dt_s: float, config: ZoneConfig) -> ZoneState:
     """One frame. The occupant of a zone leaves it by the margin, and enters the next after the dwell.
 
+    Out of all zones the robot stops, and a stop waits less long than a start.
     An unknown spine keeps the zone: whoever asks decides for how long.
     """
     if spine_xz_m is None:
@@ -83,6 +84,6 @@ def step_zone(state: ZoneState, spine_xz_m: tuple[float, float] | None, dt_s: fl
         seen_s = state.candidate_s + dt_s
     else:
         candidate, seen_s = zone_at(x, z, config), 0.0
-    if seen_s >= config.dwell_s:
+    if seen_s >= (config.out_dwell_s if candidate is Zone.OUT else config.dwell_s):
         return ZoneState(candidate)
     return ZoneState(state.zone, candidate, seen_s)

@@ -45,7 +45,12 @@ class ZoneConfig(Section):
         le=0.2,
         description="how far outside a zone its occupant must be to leave it [m]; > 4 sigma of joint noise",
     )
-    dwell_s: float = Field(default=0.15, ge=0.0, le=3.0, description="time in a new zone before it counts [s]; ours")
+    dwell_s: float = Field(
+        default=0.1, ge=0.0, le=3.0, description="time in a new zone before it counts [s]; ours: two frames at 15 Hz"
+    )
+    out_dwell_s: float = Field(
+        default=0.04, ge=0.0, le=1.0, description="the same for leaving all zones, which stops [s]; ours: two frames"
+    )
 
     @model_validator(mode="after")
     def _margins_fit(self) -> Self:
@@ -71,6 +76,12 @@ class TaskConfig(Section):
         ge=0.05,
         le=5.0,
         description="legs of a spine faster than this are walking: no evidence [m/s]; ours",
+    )
+    gait_smoothing_s: float = Field(
+        default=0.15,
+        ge=0.02,
+        le=2.0,
+        description="time constant of the spine's speed [s]; ours: 20 mm RMS of noise reads as less than 0.1 m/s",
     )
     T2_hold_s: float = Field(default=4.0, ge=0.0, le=30.0, description="how long T2 must be exceeded [s]; source")
     margin_deg: float = Field(
@@ -195,6 +206,9 @@ class HandConfig(Section):
     decide_margin: float = Field(
         default=0.5, ge=0.0, le=10.0, description="log odds nearer zero than this: unknown [1]; rendered hands"
     )
+    skin_frames: int = Field(
+        default=60, ge=1, le=10_000, description="frames over which the operator's skin colour is averaged [1]; ours"
+    )
     debounce_s: float = Field(
         default=0.12, ge=0.0, le=2.0, description="a new state must last this long [s]; 3-5 frames, research"
     )
@@ -214,6 +228,13 @@ class EngageConfig(Section):
         default=1.0, ge=0.1, le=10.0, description="hands beside the head this long [s]; spec section 3"
     )
     release_s: float = Field(default=0.4, ge=0.0, le=5.0, description="pause before the gesture counts again [s]; ours")
+    leak: float = Field(
+        default=2.0,
+        ge=0.5,
+        le=20.0,
+        description="a gesture that breaks off runs back this many times faster than it grew [1]; ours: one bad frame "
+        "does not end it",
+    )
     beside_min_m: float = Field(
         default=0.10, ge=0.0, le=0.5, description="least sideways distance of hand and head [m]; half a head"
     )
@@ -254,6 +275,12 @@ class SafetyConfig(Section):
     )
     lost_disengage_s: float = Field(
         default=2.0, ge=0.1, le=60.0, description="operator not tracked for this long: disengaged [s]; ours"
+    )
+    max_dt_s: float = Field(
+        default=0.15,
+        ge=0.02,
+        le=1.0,
+        description="a frame counts for no longer than this in dwells, gestures, evidence [s]; a gap proves nothing",
     )
     restart_s: float = Field(
         default=1.0,

@@ -9,8 +9,10 @@ import numpy as np
 from stick_figure import Person, frame, skeleton
 
 from teleop.config import TeleopConfig
+from teleop.config.intent import HandConfig
 from teleop.frames import DepthFrame
 from teleop.inputs import Inputs
+from teleop.intent_types import Hands
 from teleop.pipeline import Pipeline, PipelineOutput, PipelineState
 from teleop.skeleton import Skeleton, Track
 
@@ -23,6 +25,7 @@ class ScriptedTracker:
     def __init__(self) -> None:
         self.skeletons: dict[int, Skeleton | None] = {}
         self.resets: set[int] = set()
+        self.hands: dict[int, Hands] = {}
 
     def initial_state(self) -> None:
         return None
@@ -30,6 +33,10 @@ class ScriptedTracker:
     def step(self, frame: DepthFrame, state: None) -> tuple[Track, None]:
         body = self.skeletons.get(frame.seq)
         return Track(frame.t_ns, body, None, None, None, None, frame.seq in self.resets), None
+
+    def read_hands(self, frame: DepthFrame, skeleton: Skeleton | None, _config: HandConfig) -> Hands:
+        """What the person in the script shows; nothing without a skeleton, as the real rule."""
+        return Hands() if skeleton is None else self.hands.get(frame.seq, Hands())
 
 
 @dataclass
@@ -50,6 +57,8 @@ class Rig:
         self.t_ns += dt_ns
         self.seq += 1
         self.tracker.skeletons[self.seq] = skeleton(who, self.t_ns, self.rng) if isinstance(who, Person) else who
+        if isinstance(who, Person):
+            self.tracker.hands[self.seq] = who.hands
         if reset:
             self.tracker.resets.add(self.seq)
         return self.push(frame(self.t_ns, self.seq), inputs)
@@ -72,7 +81,7 @@ class Rig:
 def rig(config: TeleopConfig | None = None, assume_engaged: bool = False) -> Rig:
     """A fresh pipeline."""
     tracker = ScriptedTracker()
-    pipeline = Pipeline(tracker, config or TeleopConfig())  # type: ignore[arg-type]
+    pipeline = Pipeline(tracker, config or TeleopConfig(), tracker.read_hands)  # type: ignore[arg-type]
     return Rig(tracker, pipeline, pipeline.initial_state(assume_engaged))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.frames import Camera, DepthFrame, kinect_v1
+from teleop.intent_types import Hand, Hands
 from teleop.joints import JOINT_INDEX, JOINT_NAMES
 from teleop.skeleton import Skeleton, Track
 
@@ -23,7 +24,10 @@ class Arm:
     fore: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
 
+NO_HANDS = Hands()
 HANGING = Arm()
+OPEN_HANDS = Hands(Hand.OPEN, Hand.OPEN, 1.0, 1.0)
+FISTS = Hands(Hand.FIST, Hand.FIST, 1.0, 1.0)
 BESIDE_HEAD = Arm((0.0, sin(radians(60)), -cos(radians(60))), (0.1, 0.2, 0.97))
 """One arm of the engage gesture."""
 CROSSED = Arm((0.5, -0.1, -0.86), (0.3, -0.87, 0.4))
@@ -49,6 +53,7 @@ class Person:
     left: Arm = HANGING
     legs_apart_deg: float = 0.0
     stride_deg: float = 0.0
+    hands: Hands = NO_HANDS
 
     def but(self, **changes: object) -> Person:
         """The same person with some things changed."""
