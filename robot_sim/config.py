@@ -78,10 +78,18 @@ class ArmConfig(RobotSection):
         default=0.25, ge=0.1, le=0.8, description="elbow to tool flange [m]; about a person's forearm"
     )
     shoulder_offset_m: float = Field(
-        default=0.24, ge=0.1, le=0.6, description="right, left shoulder beside the mast [m]"
+        default=0.20, ge=0.1, le=0.6, description="right, left shoulder beside the mast [m]"
     )
     forward_offset_m: float = Field(
-        default=0.05, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]"
+        default=0.08, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]"
+    )
+    toe_in_rad: float = Field(
+        default=0.349,
+        ge=0.0,
+        le=0.8,
+        description="right and left shoulder frames turned inwards [rad]; choice: C2 only swings outwards (0..90 deg "
+        "in the source), so the planes of the two hanging arms must meet where the crop is for the box to come "
+        "under the gripper",
     )
     rear_offset_m: float = Field(default=0.17, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
     upper_kg: float = Field(default=1.1, ge=0.1, le=10.0, description="mass of the upper arm with the elbow servo [kg]")
@@ -112,7 +120,7 @@ class UpperBodyConfig(RobotSection):
         "beside the aisle, so that driving moves the arms along the row",
     )
     shoulder_height_m: float = Field(
-        default=1.20, ge=0.8, le=2.0, description="shoulders over the floor, lift down [m]"
+        default=1.30, ge=0.8, le=2.0, description="shoulders over the floor, lift down [m]"
     )
     home_lift_m: float = Field(default=0.10, ge=0.0, le=1.0, description="lift at the start [m]")
     lift: AxisLimits = Field(
@@ -141,12 +149,15 @@ class ToolConfig(RobotSection):
     """Gripper and cutter on the right arm, box on the left, sprayer on the rear."""
 
     jaw: AxisLimits = Field(
-        default_factory=lambda: AxisLimits(lower=0.0, upper=0.042, speed=0.20, acceleration=2.0, effort=14.0),
+        default_factory=lambda: AxisLimits(lower=0.0, upper=0.060, speed=0.30, acceleration=3.0, effort=14.0),
         description="travel of one gripper jaw from closed [m]; a cucumber is about 4 cm thick",
     )
     cutter: AxisLimits = Field(
         default_factory=lambda: AxisLimits(lower=0.0, upper=0.75, speed=5.0, acceleration=60.0, effort=6.0),
         description="cutter blade, 0 open, upper closed [rad]",
+    )
+    box_kg: float = Field(
+        default=0.55, ge=0.05, le=5.0, description="fruit box, 3 mm polypropylene sheet (0.19 m2 at 905 kg/m3) [kg]"
     )
     bruise_n: float = Field(default=60.0, ge=1.0, le=1000.0, description="contact force that damages fruit [N]")
     peduncle_n: float = Field(default=40.0, ge=1.0, le=500.0, description="pull at which a peduncle tears [N]")
@@ -183,7 +194,7 @@ class GreenhouseConfig(RobotSection):
     leaves_per_plant: int = Field(default=9, ge=0, le=40, description="leaves of one plant")
     fruits_per_plant: int = Field(default=2, ge=0, le=8, description="cucumbers, or trusses of tomatoes, of one plant")
     fruit_offset_m: float = Field(
-        default=0.60, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"
+        default=0.57, ge=0.4, le=1.5, description="from the aisle's middle to hanging fruit [m]; in reach"
     )
     fruit_low_m: float = Field(default=1.00, ge=0.4, le=2.0, description="lowest middle of a fruit over the floor [m]")
     fruit_high_m: float = Field(

@@ -1,6 +1,8 @@
 """The three identical arms: shoulder C1, C2, upper arm, elbow, forearm; the frames hang down at zero.
 
-Arm frame: x the way the arm faces, y left of that, z up; the rear arm faces backwards and is a right arm otherwise.
+Arm frame: x the way the arm faces, y left of that, z up. The right and left arm face forward and a little inwards
+(toe-in), so that the planes in which they swing meet before the chest; the rear arm faces backwards and is a right arm
+otherwise.
 Joints are positive forward (C1), outward (C2) and bending forward (elbow): robot_sim.arm_angles.
 """
 
@@ -27,7 +29,8 @@ def shoulder_pose(arm: ArmName, config: RobotConfig) -> tuple[Vec3, Vec3]:
     a = config.arm
     if arm == "rear":
         return (-a.rear_offset_m, 0.0, DISC_HEIGHT_M), (0.0, 0.0, pi)
-    return (a.forward_offset_m, outward_sign(arm) * a.shoulder_offset_m, DISC_HEIGHT_M), ZERO
+    side = outward_sign(arm)
+    return (a.forward_offset_m, side * a.shoulder_offset_m, DISC_HEIGHT_M), (0.0, 0.0, -side * a.toe_in_rad)
 
 
 def arm(name: ArmName, config: RobotConfig) -> list[Link | Joint]:

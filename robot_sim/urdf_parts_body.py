@@ -24,7 +24,7 @@ def upper_body(config: RobotConfig) -> list[Link | Joint]:
         visuals=(*_disc(), *_torso(), *_shoulders(config)),
         collisions=(
             cylinder(0.16, 0.05, (0.0, 0.0, 0.0)),
-            box(0.18, 0.26, 0.34, (0.0, 0.0, 0.28)),
+            box(0.16, 0.24, 0.34, (0.0, 0.0, 0.28)),
         ),
     )
     yaw = (0.0, 0.0, config.body.chest_yaw_rad)
@@ -90,13 +90,13 @@ def _torso() -> list[Shape]:
     return [
         cylinder(0.066, 0.10, (0.0, 0.0, 0.12), "metal"),
         # chest: a box with rounded flanks
-        box(0.150, 0.190, 0.215, (0.0, 0.0, z + 0.06), "shell"),
-        cylinder(0.075, 0.215, (0.0, 0.095, z + 0.06), "shell"),
-        cylinder(0.075, 0.215, (0.0, -0.095, z + 0.06), "shell"),
-        box(0.120, 0.200, 0.030, (0.0, 0.0, z + 0.180), "shell"),
-        box(0.154, 0.180, 0.014, (0.0, 0.0, z - 0.030), "leaf"),
+        box(0.150, 0.140, 0.215, (0.0, 0.0, z + 0.06), "shell"),
+        cylinder(0.075, 0.215, (0.0, 0.070, z + 0.06), "shell"),
+        cylinder(0.075, 0.215, (0.0, -0.070, z + 0.06), "shell"),
+        box(0.120, 0.160, 0.030, (0.0, 0.0, z + 0.180), "shell"),
+        box(0.154, 0.136, 0.014, (0.0, 0.0, z - 0.030), "leaf"),
         # chest plate with a status lamp
-        box(0.006, 0.130, 0.100, (0.076, 0.0, z + 0.075), "graphite"),
+        box(0.006, 0.110, 0.100, (0.076, 0.0, z + 0.075), "graphite"),
         box(0.006, 0.075, 0.010, (0.080, 0.0, z + 0.105), "leaf"),
         box(0.008, 0.022, 0.022, (0.079, 0.0, z + 0.055), "signal"),
         # neck
@@ -110,7 +110,7 @@ def _shoulders(config: RobotConfig) -> list[Shape]:
     back = a.rear_offset_m
     shapes: list[Shape] = []
     for sign in (1.0, -1.0):
-        inner = 0.10
+        inner = 0.06
         outer = a.shoulder_offset_m - 0.035
         length, middle = outer - inner, 0.5 * (outer + inner)
         shapes += [

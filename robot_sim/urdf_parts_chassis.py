@@ -133,7 +133,8 @@ def _tanks(config: RobotConfig) -> list[Shape]:
     x = -0.5 * c.length_m + 0.055 + 0.5 * length
     shapes: list[Shape] = [box(length * 0.9, 0.47, 0.024, (x, 0.0, c.deck_height_m + 0.012), "graphite")]
     for y, colour in ((0.155, "water"), (0.0, "nutrient"), (-0.155, "pesticide")):
-        z = c.deck_height_m + r + 0.016
+        # lying in saddles, half sunk into the deck: the hanging arms and the box pass above
+        z = c.deck_height_m + 0.4 * r
         shapes += [
             cylinder(r, length * 0.86, (x, y, z), colour, ALONG_X),
             cylinder(r * 0.86, length, (x, y, z), "shell", ALONG_X),

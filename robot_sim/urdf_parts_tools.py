@@ -6,6 +6,8 @@ above the gripper, where a hanging fruit has its peduncle, and the box opens upw
 
 from __future__ import annotations
 
+from math import cos, radians, sin
+
 from robot_sim.config import RobotConfig
 from robot_sim.urdf_parts import ZERO, Joint, Link, Shape, Vec3, box, cylinder
 
@@ -13,11 +15,23 @@ FINGER_M = 0.085
 """Length of a finger's pad along the forearm's direction."""
 GRIP_M = 0.085
 """From the flange to the middle of the pads."""
-BOX_SIZE_M: Vec3 = (0.11, 0.19, 0.19)
-"""Inner size of the fruit box in the forearm's axes: depth (x, open at +x), width (y), length (z)."""
+BOX_SIZE_M: Vec3 = (0.25, 0.25, 0.12)
+"""Inner size of the fruit box in its own axes: length (x, away from the robot), width (y), depth (z, open at +z)."""
 BOX_WALL_M = 0.006
-BOX_MIDDLE_M: Vec3 = (0.015, 0.0, -0.5 * BOX_SIZE_M[2] - 0.02)
-"""Middle of the box in the forearm's axes, from the flange."""
+BOX_PITCH_RAD = radians(75.0)
+"""The box is level when the forearm points this far up from straight down (c1 + bend of the elbow): a relaxed arm."""
+BOX_AHEAD_M, BOX_BELOW_M = 0.16, 0.145
+"""Middle of the level box beyond the flange and below it."""
+BOX_MIDDLE_M: Vec3 = (
+    BOX_AHEAD_M * cos(BOX_PITCH_RAD) - BOX_BELOW_M * sin(BOX_PITCH_RAD),
+    0.0,
+    -BOX_AHEAD_M * sin(BOX_PITCH_RAD) - BOX_BELOW_M * cos(BOX_PITCH_RAD),
+)
+"""The same in the forearm's axes, from the flange."""
+BOX_RPY: Vec3 = (0.0, BOX_PITCH_RAD, 0.0)
+"""Turn of the box in the forearm's axes."""
+SOFT_XML = '<stiffness value="3000"/><damping value="40"/>'
+"""Foam that lines the box and the fingers' pads [N/m, Ns/m]: 15 mm of soft polyurethane give 5 mm under a 14 N grip."""
 CUT_MIDDLE_M: Vec3 = (0.055, 0.0, -0.100)
 CUT_HALF_M: Vec3 = (0.040, 0.034, 0.045)
 """Between the blades: a peduncle in here is cut when they close; from the flange, in the forearm's axes."""
@@ -68,33 +82,50 @@ def gripper(config: RobotConfig) -> list[Link | Joint]:
 
 
 def fruit_box(config: RobotConfig) -> list[Link | Joint]:
-    """The open box on the left forearm that takes the picked fruit."""
-    depth, width, length = BOX_SIZE_M
+    """The open box before the left hand that takes the picked fruit; ``left_box`` is its middle, z up when level."""
+    length, width, depth = BOX_SIZE_M
     t = BOX_WALL_M
-    x, _, z = BOX_MIDDLE_M
-    floor = box(t, width, length, (x - 0.5 * depth, 0.0, z), "leaf")
-    sides = [box(depth, t, length, (x, s * 0.5 * width, z), "leaf") for s in (1.0, -1.0)]
-    ends = [box(depth, width, t, (x, 0.0, z + s * 0.5 * length), "leaf") for s in (1.0, -1.0)]
-    rim_x = x + 0.5 * depth
-    rim = [box(0.012, 0.012, length + 0.012, (rim_x, s * 0.5 * width, z), "shell") for s in (1.0, -1.0)]
-    rim += [box(0.012, width + 0.012, 0.012, (rim_x, 0.0, z + s * 0.5 * length), "shell") for s in (1.0, -1.0)]
+    top = 0.5 * depth
+    floor = box(length, width, t, (0.0, 0.0, -top), "leaf")
+    sides = [box(length, t, depth, (0.0, s * 0.5 * width, 0.0), "leaf") for s in (1.0, -1.0)]
+    ends = [box(t, width, depth, (s * 0.5 * length, 0.0, 0.0), "leaf") for s in (1.0, -1.0)]
+    rim = [box(length + 0.012, 0.012, 0.012, (0.0, s * 0.5 * width, top), "shell") for s in (1.0, -1.0)]
+    rim += [box(0.012, width + 0.012, 0.012, (s * 0.5 * length, 0.0, top), "shell") for s in (1.0, -1.0)]
     walls: tuple[Shape, ...] = (floor, *sides, *ends)
     # to the physics the walls are thick outwards: a fruit that falls 15 mm in a tick does not pass one
     thick = 0.02
     hull = (
-        box(thick, width, length, (x - 0.5 * (depth + thick - t), 0.0, z)),
-        *(box(depth, thick, length, (x, s * 0.5 * (width + thick - t), z)) for s in (1.0, -1.0)),
-        *(box(depth, width, thick, (x, 0.0, z + s * 0.5 * (length + thick - t))) for s in (1.0, -1.0)),
+        box(length, width, thick, (0.0, 0.0, -top - 0.5 * (thick - t))),
+        *(box(length, thick, depth, (0.0, s * 0.5 * (width + thick - t), 0.0)) for s in (1.0, -1.0)),
+        *(box(thick, width, depth, (s * 0.5 * (length + thick - t), 0.0, 0.0)) for s in (1.0, -1.0)),
     )
-    link = Link(
-        "left_tool",
-        mass_kg=config.arm.tool_kg,
-        extent_m=(depth, width, length),
-        com_m=(x, 0.0, z),
+    crate = Link(
+        "left_box",
+        mass_kg=config.tool.box_kg,
+        extent_m=BOX_SIZE_M,
         visuals=(*walls, *rim),
         collisions=hull,
+        contact_xml=SOFT_XML,
     )
-    return [link, Joint("left_flange", "left_forearm", "left_tool", (0.0, 0.0, -config.arm.forearm_m))]
+    hand = Link(
+        "left_tool",
+        mass_kg=config.arm.tool_kg,
+        extent_m=(0.05, 0.12, 0.10),
+        com_m=(0.0, 0.0, -0.03),
+        visuals=(
+            box(0.052, 0.100, 0.026, (0.0, 0.0, -0.020), "graphite"),
+            box(0.036, 0.104, 0.008, (0.0, 0.0, -0.031), "metal"),
+            # two brackets from the flange down to the box's near rim
+            *(box(0.020, 0.014, 0.090, (-0.016, s * 0.046, -0.060), "graphite", (0.0, 0.35, 0.0)) for s in (1.0, -1.0)),
+        ),
+        collisions=(box(0.052, 0.100, 0.026, (0.0, 0.0, -0.020)),),
+    )
+    return [
+        hand,
+        Joint("left_flange", "left_forearm", hand.name, (0.0, 0.0, -config.arm.forearm_m)),
+        crate,
+        Joint("left_box_mount", hand.name, crate.name, BOX_MIDDLE_M, BOX_RPY),
+    ]
 
 
 def sprayer(config: RobotConfig) -> list[Link | Joint]:
@@ -125,7 +156,7 @@ def _finger(name: str, sign: float) -> Link:
     # a pad that gives: soft rubber on a stiff back
     back = box(0.030, 0.010, FINGER_M + 0.02, (0.0, sign * 0.013, -0.036 - 0.5 * FINGER_M), "graphite")
     pad = box(0.034, 0.008, FINGER_M, (0.0, sign * 0.004, -0.046 - 0.5 * FINGER_M), "leaf")
-    contact = '<lateral_friction value="1.1"/><spinning_friction value="0.02"/>'
+    contact = f'<lateral_friction value="1.1"/><spinning_friction value="0.02"/>{SOFT_XML}'
     touching = (box(0.034, 0.018, FINGER_M, (0.0, sign * 0.009, -0.046 - 0.5 * FINGER_M)),)
     middle = (0.0, sign * 0.009, -0.08)
     return Link(name, 0.08, (0.03, 0.02, FINGER_M), middle, (back, pad), touching, contact)

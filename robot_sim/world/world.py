@@ -17,7 +17,7 @@ from robot_sim.limiter import Goals, Setpoints, advance, home_setpoints, latch_e
 from robot_sim.plants import Fruit
 from robot_sim.primitives import Primitive
 from robot_sim.reasons import RobotReason
-from robot_sim.spray import LIQUIDS, SprayState, canopy, coverage, fresh, spray
+from robot_sim.spray import LIQUIDS, SprayState, canopy, coverage, fresh, spray, wet_share
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.urdf_parts_tools import NOZZLE_M
@@ -204,6 +204,14 @@ class World:
         """Share 0..1 of the leaf area between two corners (3,) [m] that is wet with a liquid."""
         return coverage(self._spray, self._canopy, liquid, low_m, high_m, self.config.spray)
 
+    def wet_leaves(self) -> dict[str, tuple[float, float, float]]:
+        """Leaf -> share 0..1 wet with water, nutrient and pesticide; leaves without a drop are left out."""
+        hit = np.flatnonzero(self._spray.hits.any(axis=1))
+        if len(hit) == 0:
+            return {}
+        wet = wet_share(self._spray, self._canopy, self.config.spray)[hit].round(3).tolist()
+        return {self._canopy.names[i]: (a, b, c) for i, (a, b, c) in zip(hit, wet, strict=True)}
+
     def overspray(self, liquid: Liquid) -> float:
         """Share 0..1 of what was sprayed of a liquid that hit no leaf."""
         k = LIQUIDS.index(liquid)
@@ -278,7 +286,7 @@ class World:
         points = self._client.getContactPoints(self._robot.id)
         contacts = [FruitContact(index[p[2]], p[3], p[9]) for p in points if p[2] in index and p[9] > 0.0]
         fingers = (self._robot.links["gripper_left_link"], self._robot.links["gripper_right_link"])
-        self._crops.observe(contacts, fingers, self._robot.link_pose("left_tool"))
+        self._crops.observe(contacts, fingers, self._robot.link_pose("left_box"))
 
     def _away_from_contacts(self, goals: Goals) -> Goals:
         points = self._client.getContactPoints(self._robot.id, self._obstacles)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from robot_sim.actuators import JOINTS, WHEELS, axes
 from robot_sim.arm_angles import forearm_direction, joint_rad, upper_arm_direction
 from robot_sim.commands import ARM_NAMES, ArmTarget
 from robot_sim.config import RobotConfig
+from robot_sim.reach import hand_in_base
 from robot_sim.urdf import robot_urdf
 
 CONFIG = RobotConfig()
@@ -80,12 +82,17 @@ def test_the_arms_point_where_the_angles_say(tmp_path: Path, arm: str, target: A
 
     elbow = origin(f"{arm}_forearm")
     upper = (elbow - origin(f"{arm}_upper_arm")) / CONFIG.arm.upper_m
-    fore = (origin(f"{arm}_tool") - elbow) / CONFIG.arm.forearm_m
+    tool = origin(f"{arm}_tool")
+    fore = (tool - elbow) / CONFIG.arm.forearm_m
     client.disconnect()
     # at disc zero the chest faces the world's y; the rear arm faces the other way
     facing = np.array([0.0, 1.0, 0.0]) * (-1.0 if arm == "rear" else 1.0)
+    inward = {"right": 1.0, "left": -1.0, "rear": 0.0}[arm] * CONFIG.arm.toe_in_rad
+    facing = math.cos(inward) * facing + math.sin(inward) * np.cross([0.0, 0.0, 1.0], facing)
     left = np.cross([0.0, 0.0, 1.0], facing)
     outward = left if arm == "left" else -left
     axes_of_arm = np.stack([facing, outward, [0.0, 0.0, 1.0]])
     assert axes_of_arm @ upper == pytest.approx(upper_arm_direction(target.c1_deg, target.c2_deg), abs=1e-5)
+    here = hand_in_base(arm, target, 0.0, 0.0, 0.0, CONFIG)
+    assert here == pytest.approx(tool, abs=1e-5)
     assert axes_of_arm @ fore == pytest.approx(forearm_direction(target), abs=1e-5)
