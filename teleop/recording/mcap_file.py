@@ -25,6 +25,7 @@ from teleop.recording.mcap_scan import (
     MAGIC,
     MESSAGE_OVERHEAD,
     ChunkRef,
+    Scan,
     index_content,
     message_at,
     scan,
@@ -33,7 +34,7 @@ from teleop.recording.mcap_scan import (
 _log = logging.getLogger(__name__)
 _MAX_CHUNK_BYTES = 1 << 30
 _LOOSE = -1
-_DAMAGE = (McapError, zstandard.ZstdError, RuntimeError, ValueError, MemoryError, struct.error)
+_DAMAGE = (McapError, zstandard.ZstdError, RuntimeError, ValueError, MemoryError, OverflowError, struct.error)
 """What mcap, zstandard and lz4 raise on damaged bytes."""
 
 
@@ -122,6 +123,11 @@ class McapFile:
         for _, _, topic, number in sorted(every):
             yield topic, int(self._topics[topic].t_ns[number]), self.payload(topic, number)
 
+    @property
+    def scan(self) -> Scan:
+        """The records of the file, for who makes it whole again."""
+        return self._scan
+
     def all_metadata(self) -> list[tuple[str, dict[str, str]]]:
         """Every metadata record."""
         return [(m.name, dict(m.metadata)) for m in self._scan.metadata]
@@ -186,6 +192,8 @@ class McapFile:
                 problem = str(error)
             if problem:
                 self.truncated = self.truncated or problem
+                self._scan.torn = self._scan.torn and number == len(chunks) - 1
+                self._scan.data_end = min(self._scan.data_end, ref.start)
                 del chunks[number:]
                 return
 

@@ -21,6 +21,7 @@ from mcap.records import Channel, Metadata, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
 _HEADER = struct.Struct("<BQ")
+HEADER_BYTES = _HEADER.size
 _CHUNK = struct.Struct("<QQQI")
 _MESSAGE = struct.Struct("<HIQQ")
 _INDEX = struct.Struct("<HI")
@@ -34,51 +35,79 @@ EntryArray = npt.NDArray[np.void]
 
 @dataclass(slots=True)
 class ChunkRef:
-    """Where a chunk lies: offset and length of its record's content. entries: channel id -> message index."""
+    """Where a chunk lies: offset and length of its record's content. entries: channel id -> message index.
+
+    index_at: channel id -> where its message index record begins. index_end: where the last of them ends.
+    """
 
     offset: int
     length: int
     uncompressed_bytes: int
     entries: dict[int, EntryArray] = field(default_factory=dict)
+    index_at: dict[int, int] = field(default_factory=dict)
+    index_end: int = 0
+
+    @property
+    def start(self) -> int:
+        """Where its record begins."""
+        return self.offset - HEADER_BYTES
+
+    @property
+    def end(self) -> int:
+        """Where its record ends."""
+        return self.offset + self.length
 
 
 @dataclass(slots=True)
 class Scan:
     """What the walk found. loose: messages outside chunks, as channel id -> [(t_ns, file offset, bytes)].
 
-    truncated: why the walk ended before the file's proper end, or None.
+    metadata_at: offset and length of each metadata record. data_end: end of the last whole record before the
+    closing ones. truncated: why the walk ended before the file's proper end, or None. torn: only its tail is
+    missing, all that stands before it is whole.
     """
 
     chunks: list[ChunkRef] = field(default_factory=list)
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     metadata: list[Metadata] = field(default_factory=list)
+    metadata_at: list[tuple[int, int]] = field(default_factory=list)
     loose: dict[int, list[tuple[int, int, int]]] = field(default_factory=dict)
+    data_end: int = len(MAGIC)
     truncated: str | None = None
+    torn: bool = False
 
 
 def scan(file: BinaryIO, file_bytes: int) -> Scan:
     """Walk all records of an open file whose magic has been checked."""
     found = Scan()
     position = len(MAGIC)
+    closing = False
     while True:
         file.seek(position)
         header = file.read(_HEADER.size)
         if len(header) < _HEADER.size:
-            found.truncated = "the file ends without its closing records"
+            found.truncated, found.torn = "the file ends without its closing records", True
             return found
         opcode, length = _HEADER.unpack(header)
         position += _HEADER.size
         if opcode == 0 or position + length > file_bytes:
             found.truncated = f"the record at byte {position - _HEADER.size} is incomplete"
+            found.torn = True
             return found
         if opcode == Opcode.FOOTER:
+            file.seek(position + length)
+            if file.read(len(MAGIC)) != MAGIC:
+                found.truncated, found.torn = "the file ends inside its closing records", True
             return found
         problem = _record(file, found, opcode, position, length)
         if problem is not None:
             found.truncated = f"{problem} at byte {position - _HEADER.size}"
             return found
         position += length
+        closing = closing or opcode == Opcode.DATA_END
+        if not closing:
+            found.data_end = position
 
 
 def _record(file: BinaryIO, found: Scan, opcode: int, position: int, length: int) -> str | None:
@@ -96,11 +125,11 @@ def _record(file: BinaryIO, found: Scan, opcode: int, position: int, length: int
     elif opcode in (Opcode.MESSAGE_INDEX, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA):
         if length > _SMALL_RECORD_BYTES:
             return "an oversized record"
-        return _small(found, opcode, file.read(length))
+        return _small(found, opcode, position, file.read(length))
     return None
 
 
-def _small(found: Scan, opcode: int, content: bytes) -> str | None:
+def _small(found: Scan, opcode: int, position: int, content: bytes) -> str | None:
     if opcode == Opcode.MESSAGE_INDEX:
         if len(content) < _INDEX.size or not found.chunks:
             return "a damaged message index"
@@ -108,10 +137,16 @@ def _small(found: Scan, opcode: int, content: bytes) -> str | None:
         body = content[_INDEX.size :]
         if len(body) % _ENTRY.itemsize:
             return "a damaged message index"
+        chunk = found.chunks[-1]
+        chunk.index_end = position + len(content)
         if body:
-            found.chunks[-1].entries[channel_id] = np.frombuffer(body, dtype=_ENTRY)
+            chunk.entries[channel_id] = np.frombuffer(body, dtype=_ENTRY)
+            chunk.index_at[channel_id] = position - HEADER_BYTES
         return None
-    return definition(found, opcode, content)
+    problem = definition(found, opcode, content)
+    if problem is None and opcode == Opcode.METADATA:
+        found.metadata_at.append((position - HEADER_BYTES, HEADER_BYTES + len(content)))
+    return problem
 
 
 def definition(found: Scan, opcode: int, content: bytes) -> str | None:

@@ -1,4 +1,8 @@
-"""A recording that was cut off, made whole again: every readable message, and the index that other readers need."""
+"""A recording that was cut off, made whole again: every readable message, and the index that other readers need.
+
+A file whose tail is missing gets its closing records in place; one damaged in its middle is copied up to there, and
+what it was is kept beside it.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +15,15 @@ from teleop.errors import RecordingError
 from teleop.recording.mcap_file import McapFile
 from teleop.recording.mcap_scan import MAGIC
 from teleop.recording.output import is_being_written
+from teleop.recording.seal import seal
 from teleop.recording.writer import CHUNK_BYTES
 
 
 def repair(path: Path) -> int:
-    """Rewrite a recording that was cut off, in place; a whole one is left alone.
+    """Make a recording that was cut off whole; a whole one is left alone, a damaged one is kept as NAME.damaged.
 
-    Returns the number of messages saved, 0 when there was nothing to do. Raises RecordingError; then the file is as
-    it was.
+    Returns the number of messages saved, 0 when there was nothing to do. Raises RecordingError; then the file can be
+    read as before.
     """
     if path.is_file() and is_being_written(path):
         raise RecordingError(f"{path} is being written now; repair it when that has ended")
@@ -29,10 +34,13 @@ def repair(path: Path) -> int:
             return 0
         if not file.topics:
             raise RecordingError(f"{path} holds no complete chunk of messages; nothing can be saved")
+        if file.scan.torn:
+            return seal(path, file.scan)
         count = _copy(file, partial)
-        partial.replace(path)
+        path.rename(_free_name(path))
+        partial.rename(path)
     except OSError as error:
-        raise RecordingError(f"cannot write {partial}: {error.strerror or error}") from None
+        raise RecordingError(f"cannot repair {path}: {error.strerror or error}; free some space") from None
     finally:
         file.close()
         partial.unlink(missing_ok=True)
@@ -51,6 +59,11 @@ def repair_folder(folder: Path) -> Iterator[str]:
             yield f"{path.name} was cut off: {repair(path)} messages saved"
         except (RecordingError, OSError) as error:
             yield f"{path.name} was cut off and cannot be repaired: {error}"
+
+
+def _free_name(path: Path) -> Path:
+    names = (path.with_name(f"{path.name}.damaged{number or ''}") for number in range(1000))
+    return next(name for name in names if not name.exists())
 
 
 def _has_its_end(path: Path) -> bool:
