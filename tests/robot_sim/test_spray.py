@@ -95,6 +95,9 @@ def test_the_rear_arm_sprays_the_cucumbers_after_a_half_turn() -> None:
     wet = world.coverage(Liquid.PESTICIDE, *front)
     assert wet > 0.3
     assert world.coverage(Liquid.WATER, *front) == 0.0
+    leaves = world.wet_leaves()
+    assert leaves and all("_leaf" in name for name in leaves)
+    assert all(water == nutrient == 0.0 < pesticide <= 1.0 for water, nutrient, pesticide in leaves.values())
     assert world.coverage(Liquid.PESTICIDE, (-3, -2, 0), (4, -0.3, 3)) == 0.0
     assert 0.0 < world.overspray(Liquid.PESTICIDE) < 1.0
     empty = run(world, 2.0, spray_on=True, liquid=Liquid.PESTICIDE)

@@ -5,8 +5,10 @@ import threading
 
 from live_server import frames
 
+from server.access.roles import Caller, Role
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived, Mailbox
+from server.stream.hub import Hub
 from server.stream.outbox import Outbox
 
 
@@ -75,6 +77,19 @@ def test_a_client_that_reads_no_events_is_to_be_closed() -> None:
             outbox.put_event(f"event {i}")
         assert outbox.overflowed.is_set()
         assert [await outbox.get() for _ in range(2)] == ["event 0", "event 1"]
+
+    asyncio.run(scenario())
+
+
+def test_wet_leaves_are_told_to_those_who_are_there_and_who_come_later() -> None:
+    async def scenario() -> None:
+        hub = Hub(max_clients=3, max_events=20, history=5)
+        hub.bind(asyncio.get_running_loop())
+        caller = Caller(Role.VIEWER, "a key of sixteen", "", True, "127.0.0.1")
+        early = hub.join(caller)
+        hub.post_coverage("wet")
+        assert await early.outbox.get() == "wet"
+        assert await hub.join(caller).outbox.get() == "wet"
 
     asyncio.run(scenario())
 

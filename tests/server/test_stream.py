@@ -62,17 +62,23 @@ def test_pictures_come_as_asked(live: tuple[str, Engine]) -> None:
         client.send('{"type":"view","image":"color","head":true}')
         assert picture(client, ImageKind.COLOR).width == 320
         assert picture(client, ImageKind.HEAD).width == 240
+        assert ImageKind.PARTS not in live[1]._hub.wanted, "nobody has asked for the body parts"
+        client.send('{"type":"view","image":"none","parts":true}')
+        parts = picture(client, ImageKind.PARTS)
+        assert parts.jpeg[:4] == b"\x89PNG" and 40 <= parts.width <= 320
 
 
 def test_a_painted_state_gives_the_latency_of_the_whole_way(live: tuple[str, Engine]) -> None:
     with opened(live[0]) as client:
         for _ in range(200):
             state = next_of(client, "state")
-            client.send(json.dumps({"type": "painted", "seq": state["seq"]}))
+            client.send(json.dumps({"type": "painted", "seq": state["seq"], "paint_ms": 0.25}))
             latency = state["latency_ms"]
             assert isinstance(latency, dict)
-            if "total" in latency:
+            if "total" in latency and "filter" in latency:
                 assert latency["total"]["last"] >= latency["tracking"]["p50"] * 0.1 > 0
+                assert latency["motion"]["p50"] > latency["total"]["p50"], "the filter's delay is part of it"
+                assert latency["paint"]["p50"] == 0.25 and latency["send"]["p50"] >= 0.0
                 return
         raise AssertionError("no total latency")
 
