@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.people.body import Body, Bytes, Floats32
-from teleop.people.rig import BONE, SIDES, Floats
+from teleop.people.rig import BONE, FINGERS, SIDES, Floats
 
 _SHIRT_HEM = 0.15
 """A top that reaches less far down the thigh ends above the hips instead."""
@@ -149,6 +149,7 @@ def dress(body: Body, wear: Wardrobe, seed: int) -> Dressed:
     color[shirt & (points[:, 1] >= neck_y + 0.02)] = wear.skin_rgb
     cover *= 1.0 + wear.fold * _folds(points, rng)
     _hair(body, wear, points, cover, color)
+    _palms(body, wear, color)
     out = body.vertices_m + (np.maximum(cover, 0.0)[:, None] * body.normals).astype(np.float32)
     return Dressed(out.astype(np.float32), color)
 
@@ -164,3 +165,16 @@ def _hair(body: Body, wear: Wardrobe, points: Floats, cover: Floats, color: Byte
     hair = head & (above > 0)
     cover[hair] = ((0.018 if wear.cap else wear.hair_m) * _ramp(above, 0.03))[hair]
     color[hair] = wear.top_rgb if wear.cap else wear.hair_rgb
+
+
+def _palms(body: Body, wear: Wardrobe, color: Bytes) -> None:
+    """Palms and the inside of the fingers: with little pigment, so much lighter and redder than dark skin elsewhere."""
+    skin = np.array(wear.skin_rgb, np.float64)
+    share = 0.10 + 0.55 * float(np.clip(1.0 - skin.mean() / 195.0, 0.0, 1.0))
+    palm_rgb = skin + share * (np.array([226.0, 172.0, 152.0]) - skin)
+    for i, side in enumerate(SIDES):
+        bones = [BONE[f"hand_{side}"], *(BONE[f"{finger}{k}_{side}"] for finger in FINGERS for k in (1, 2, 3))]
+        mine = np.isin(body.vertex_bone, bones)
+        facing = body.normals[mine].astype(np.float64) @ body.rig.palm[i]
+        blend = np.clip((facing - 0.1) / 0.5, 0.0, 1.0)[:, None]
+        color[mine] = np.clip(skin + blend * (palm_rgb - skin), 0, 255).astype(np.uint8)

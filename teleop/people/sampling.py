@@ -33,8 +33,8 @@ from teleop.people.view import View, sensor_view, visible_joints
 Split = Literal["train", "validation", "test"]
 _TRIES: Final = 4
 """Poses drawn at most, to find one whose arms do not run through the trunk."""
-_PEOPLE: Final = {"train": 400, "validation": 60, "test": 80}
-_SEED: Final = {"train": 11, "validation": 22, "test": 33}
+PEOPLE: Final = {"train": 400, "validation": 60, "test": 80}
+SEED: Final = {"train": 11, "validation": 22, "test": 33}
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +67,11 @@ class RenderedFrame:
 @lru_cache(maxsize=512)
 def person(split: str, number: int) -> Body:
     """Person ``number`` of a split (MakeHuman)."""
-    return makehuman_body(random_shape(np.random.default_rng([_SEED[split], number])))
+    return makehuman_body(random_shape(np.random.default_rng([SEED[split], number])))
 
 
-def _sample_pose(rng: np.random.Generator, split: str) -> Pose:
+def sample_pose(rng: np.random.Generator, split: str) -> Pose:
+    """A pose by rule or, where the motion library is there, from a recorded motion of the split."""
     recorded = library(split)
     if recorded is None or rng.uniform() < 0.6:
         return random_pose(rng)
@@ -84,10 +85,10 @@ def _sample_pose(rng: np.random.Generator, split: str) -> Pose:
 
 def _figure(rng: np.random.Generator, split: str, x_m: float, z_m: float) -> Figure:
     """Somebody of the split, dressed, posed, standing at (x, z) and turned by up to 45 degrees."""
-    body = person(split, int(rng.integers(_PEOPLE[split])))
+    body = person(split, int(rng.integers(PEOPLE[split])))
     worn = dress(body, random_wardrobe(rng), int(rng.integers(2**31)))
     for _ in range(_TRIES):
-        pose = _sample_pose(rng, split)
+        pose = sample_pose(rng, split)
         posed = pose_rig(body.rig, pose)
         if not arms_in_trunk(body.rig, posed):
             break
@@ -100,7 +101,7 @@ def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
 
     Raises DataError when the MakeHuman files are missing.
     """
-    rng = np.random.default_rng([_SEED[spec.split], 7, seed])
+    rng = np.random.default_rng([SEED[spec.split], 7, seed])
     z = float(rng.uniform(1.2, 4.0))
     x = float(rng.uniform(-1, 1)) * min(0.9, 0.33 * z)
     people = [_figure(rng, spec.split, x, z)]
