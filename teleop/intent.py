@@ -12,6 +12,7 @@ from teleop.engage import Gestures, GestureState, engage_pose, forearms_crossed,
 from teleop.frames import DepthFrame
 from teleop.hands.debounce import HandMemory, step_hand
 from teleop.hands.reader import read_hands
+from teleop.hands.skin_model import SkinModel, step_skin
 from teleop.inputs import Inputs
 from teleop.intent_types import BodyAngles, Event, Hands, Intent, Mode, Zone
 from teleop.joints import JOINT_INDEX
@@ -23,8 +24,8 @@ from teleop.stillness import Gait, step_gait
 from teleop.task import TaskState, step_task
 from teleop.zones import ZoneState, step_zone
 
-HandReader = Callable[[DepthFrame, Skeleton | None, HandConfig], Hands]
-"""What both hands show in one frame; the skeleton in camera axes."""
+HandReader = Callable[[DepthFrame, Skeleton | None, HandConfig, SkinModel | None], Hands]
+"""What both hands show in one frame; the skeleton in camera axes, the skin as remembered so far."""
 LEGS = [JOINT_INDEX[name] for name in ("hip_right", "knee_right", "hip_left", "knee_left")]
 
 
@@ -43,6 +44,7 @@ class IntentState:
     gestures: GestureState = field(default_factory=GestureState)
     right_hand: HandMemory = field(default_factory=HandMemory)
     left_hand: HandMemory = field(default_factory=HandMemory)
+    skin: SkinModel | None = None
     gait: Gait = field(default_factory=Gait)
     progress: float = 0.0
     shown_zone: Zone = Zone.NONE
@@ -94,11 +96,14 @@ def _observe(
     # who was seen to walk out is not waited for
     sight = step_sight(state.sight, track, true_dt_s, state.control.engaged and not state.leaving, config)
     body = sight.body if sight.seen_now else None
-    seen = read(frame, track.skeleton if body is not None else None, config.hands)
+    mine = track.skeleton if body is not None else None
+    skin = step_skin(None if sight.exchanged or track.reset else state.skin, frame, mine, config.hands)
+    seen = read(frame, mine, config.hands, skin)
     zone = _zone(state, sight, body, dt_s, config)
     state = replace(
         state,
         sight=sight,
+        skin=skin,
         gait=step_gait(state.gait, spine_xz_m(body), dt_s, config.task.gait_smoothing_s),
         zone=zone,
         leaving=state.leaving if body is None else Zone.OUT in (zone.zone, zone.candidate),

@@ -206,6 +206,10 @@ class HandConfig(Section):
     decide_margin: float = Field(
         default=0.5, ge=0.0, le=10.0, description="log odds nearer zero than this: unknown [1]; rendered hands"
     )
+    skin: tuple[float, float, float, float, float] | None = Field(
+        default=None,
+        description="the operator's skin: mean Cb, mean Cr, variance of Cb, covariance, variance of Cr; from a profile",
+    )
     skin_frames: int = Field(
         default=60, ge=1, le=10_000, description="frames over which the operator's skin colour is averaged [1]; ours"
     )
@@ -218,6 +222,10 @@ class HandConfig(Section):
     def _ranges_are_ranges(self) -> Self:
         if self.cb_min > self.cb_max or self.cr_min > self.cr_max:
             raise ValueError("skin range: cb_min <= cb_max and cr_min <= cr_max must hold")
+        if self.skin is not None:
+            cb, cr, a, b, c = self.skin
+            if not (0 <= cb <= 255 and 0 <= cr <= 255 and a > 0 and c > 0 and a * c > b * b):
+                raise ValueError("skin: means must lie in 0..255 and the variances must form a positive matrix")
         return self
 
 

@@ -9,7 +9,7 @@ from teleop.intent_types import Hand, Hands
 from teleop.skeleton import Skeleton
 
 
-def read_hands(frame: DepthFrame, skeleton: Skeleton | None, config: HandConfig) -> Hands:
+def read_hands(frame: DepthFrame, skeleton: Skeleton | None, config: HandConfig, _skin: object = None) -> Hands:
     """What both hands show in this frame alone; UNKNOWN without a skeleton. Joints in camera axes."""
     if skeleton is None:
         return Hands()

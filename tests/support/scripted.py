@@ -11,6 +11,7 @@ from stick_figure import Person, frame, skeleton
 from teleop.config import TeleopConfig
 from teleop.config.intent import HandConfig
 from teleop.frames import DepthFrame
+from teleop.hands.skin_model import SkinModel
 from teleop.inputs import Inputs
 from teleop.intent_types import Hands
 from teleop.pipeline import Pipeline, PipelineOutput, PipelineState
@@ -34,7 +35,9 @@ class ScriptedTracker:
         body = self.skeletons.get(frame.seq)
         return Track(frame.t_ns, body, None, None, None, None, frame.seq in self.resets), None
 
-    def read_hands(self, frame: DepthFrame, skeleton: Skeleton | None, _config: HandConfig) -> Hands:
+    def read_hands(
+        self, frame: DepthFrame, skeleton: Skeleton | None, _config: HandConfig, _skin: SkinModel | None = None
+    ) -> Hands:
         """What the person in the script shows; nothing without a skeleton, as the real rule."""
         return Hands() if skeleton is None else self.hands.get(frame.seq, Hands())
 

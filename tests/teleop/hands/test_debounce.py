@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from teleop.config.intent import HandConfig
-from teleop.hands.debounce import HandMemory, step_hand
+from teleop.hands.debounce import HandMemory, evidence, step_hand
 from teleop.intent_types import Hand
 
 CONFIG = HandConfig()
@@ -29,6 +29,22 @@ def test_a_new_state_counts_after_the_debounce() -> None:
 def test_single_wrong_frames_are_ignored() -> None:
     out = run([Hand.OPEN] * 10 + ([Hand.FIST] + [Hand.OPEN] * 3) * 10)
     assert Hand.FIST not in out
+
+
+def test_doubtful_frames_take_longer_and_contrary_ones_count() -> None:
+    def frames_to_fist(confidence: float, contrary: int) -> int:
+        memory = HandMemory(Hand.OPEN, 1.0)
+        for i in range(100):
+            hand = Hand.OPEN if contrary and i % contrary == contrary - 1 else Hand.FIST
+            memory = step_hand(memory, hand, confidence, DT_S, CONFIG)
+            if memory.settled is Hand.FIST:
+                return i + 1
+        return 100
+
+    assert frames_to_fist(0.99, 0) < frames_to_fist(0.7, 0) < 20
+    assert frames_to_fist(0.99, 0) < frames_to_fist(0.99, 3) < 20
+    assert frames_to_fist(0.99, 2) == 100, "as much for the one as for the other: nothing changes"
+    assert evidence(0.5) == 0.0 and evidence(1.0) == evidence(0.95) == 1.0
 
 
 def test_silence_becomes_unknown() -> None:

@@ -1,0 +1,129 @@
+"""Patches to learn from: rendered hands seen through joints as the tracker leaves them, and real crops."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from teleop.config.intent import HandConfig
+from teleop.data import data_folder
+from teleop.errors import DataError
+from teleop.frames import ColorImage
+from teleop.hands.aim import aim_at_hand
+from teleop.hands.legible import illegible
+from teleop.hands.patch import SIZE, Patch, hand_depth_m, hand_patch
+from teleop.hands.skin_model import SkinModel, chroma, generic_skin
+from teleop.people.hand_shots import HandShot
+from teleop.skeleton import Skeleton
+
+DRAWS: Final = 3
+"""Noisy copies of the joints per hand."""
+JOINT_NOISE_M: Final = (0.010, 0.018, 0.030)
+_FACE_LIGHT: Final = 0.8
+"""How bright a face is on average under the renderer's lamp and sky."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """patches: (N, draws, SIZE, SIZE, layers) float16. is_open: (N,)."""
+
+    patches: npt.NDArray[np.float16]
+    is_open: npt.NDArray[np.bool_]
+
+
+def skin_of(shot: HandShot, rng: np.random.Generator, config: HandConfig) -> SkinModel:
+    """What a face would have taught about this skin, with its error; sometimes no face was seen."""
+    if rng.uniform() < 0.15:
+        return generic_skin(config)
+    lit = np.clip(_FACE_LIGHT * shot.skin_rgb, 0, 255).astype(np.uint8)
+    cb, cr = chroma(lit.reshape(1, 1, 3))[0, 0] + rng.normal(0, 2.5, 2)
+    a, c = rng.uniform(10, 45, 2)
+    return SkinModel((float(cb), float(cr)), (float(a), float(-0.4 * np.sqrt(a * c)), float(c)), 1.0)
+
+
+def drawn(shot: HandShot, rng: np.random.Generator, config: HandConfig) -> Patch | None:
+    """The patch of one hand under noisy joints; None when no reading can come of it."""
+    noise = rng.normal(0, rng.choice(JOINT_NOISE_M), (20, 3))
+    skeleton = Skeleton(0, shot.joints_m + noise, np.ones(20))
+    aim = aim_at_hand(skeleton, shot.side, shot.frame.camera)
+    if aim is None or illegible(shot.frame, aim, config) is not None:
+        return None
+    z_m = hand_depth_m(shot.frame, aim, config)
+    return None if z_m is None else hand_patch(shot.frame, aim, z_m, skin_of(shot, rng, config))
+
+
+def collect(shots: Iterable[HandShot], config: HandConfig, seed: int, draws: int = DRAWS) -> Samples:
+    """Patches of all shots that can be read; every hand gives ``draws`` of them."""
+    rng = np.random.default_rng(seed)
+    patches, is_open = [], []
+    for shot in shots:
+        own = [p for p in (drawn(shot, rng, config) for _ in range(3 * draws)) if p is not None][:draws]
+        if len(own) == draws:
+            patches.append(np.stack(own).astype(np.float16))
+            is_open.append(shot.curl < 0.5)
+    return Samples(np.stack(patches), np.array(is_open))
+
+
+def augmented(x: Patch, rng: np.random.Generator) -> Patch:
+    """Flips, shifts, turns and changes of size, of light and of noise: what cameras and trackers may do besides."""
+    out = np.empty_like(x)
+    for i, patch in enumerate(x):
+        angle, scale = rng.normal(0, 9), np.exp(rng.normal(0, 0.10))
+        M = cv2.getRotationMatrix2D(((SIZE - 1) / 2, (SIZE - 1) / 2), angle, scale)
+        M[:, 2] += rng.normal(0, 1.5, 2)
+        warped = cv2.warpAffine(patch, M, (SIZE, SIZE), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        out[i] = warped[:, ::-1] if rng.uniform() < 0.3 else warped
+    n = len(x)
+    if x.shape[-1] != 2 or x[..., 0].min() < -1.0:  # has colour
+        out[..., -2] = out[..., -2] * rng.uniform(0.6, 1.4, (n, 1, 1)) + rng.normal(0, 0.08, (n, 1, 1))
+        out[..., -2] += rng.normal(0, 0.05, out.shape[:-1])
+    return out
+
+
+# --- real crops, colour only ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RealHand:
+    """A hand cut from a photograph. recording: what must not be split between training and test."""
+
+    crop_rgb: ColorImage
+    is_open: bool
+    recording: str
+
+
+def webcam_hands() -> list[RealHand]:
+    """The labelled boxes of the data set ``hands/webcam`` (Apache-2.0). Raises DataError when it is not there."""
+    folder = data_folder("hands") / "webcam"
+    try:
+        rows = list(csv.DictReader((folder / "labels.csv").read_text().splitlines()))
+    except OSError as error:
+        raise DataError(f"{folder / 'labels.csv'} cannot be read ({error.strerror})") from error
+    out = []
+    for row in rows:
+        image = _read(folder / "images" / row["filename"])
+        x0, y0, x1, y1 = (int(row[k]) for k in ("xmin", "ymin", "xmax", "ymax"))
+        prefix = row["filename"].split("_")[0] if "_" in row["filename"] else "pic"
+        out.append(RealHand(image[y0:y1, x0:x1], row["class"] == "5-hand", prefix))
+    return out
+
+
+def digit_hands() -> Iterator[RealHand]:
+    """The photographs of ``hands/digits`` (Apache-2.0): open palms, and hands closed to an O."""
+    for name, is_open in (("5_open", True), ("0_closed_O", False)):
+        for path in sorted((data_folder("hands") / "digits" / name).iterdir()):
+            yield RealHand(_read(path), is_open, f"digits/{path.stem}")
+
+
+def _read(path: Path) -> ColorImage:
+    image = cv2.imread(str(path))
+    if image is None:
+        raise DataError(f"{path} is no picture that can be read; fetch the data set again")
+    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB).astype(np.uint8)
