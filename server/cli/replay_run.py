@@ -25,7 +25,7 @@ from teleop.recording.comparison import Comparison
 from teleop.recording.identity import model_digest
 from teleop.recording.inputs_json import inputs_from_json
 from teleop.recording.recorded import RecordedAnswers, RecordedFrames
-from teleop.recording.writer import software_version
+from teleop.software import software_version
 from teleop.track_row import track_row
 
 

@@ -20,10 +20,11 @@ def train(
     workers: Annotated[
         int | None, typer.Option(min=1, max=256, help="Processes that render; default all cores.")
     ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Render on a Dask cluster instead, such as tcp://host:8786.")
+    ] = None,
 ) -> None:
     """Render people, grow the forest, fit it on validation frames, write the model and its card."""
-    import os
-
     from rich.console import Console
     from rich.progress import Progress
 
@@ -34,7 +35,8 @@ def train(
     recipe = Recipe(
         frames=frames,
         seed=seed,
-        workers=workers or os.cpu_count() or 1,
+        workers=workers,
+        scheduler=scheduler,
         build=BuildSpec(trees=trees, tree=TreeSpec(candidates=candidates)),
     )
     with Progress(console=Console(stderr=True)) as bars:

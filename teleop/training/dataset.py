@@ -1,10 +1,11 @@
-"""Rendered training frames: made on all cores, kept in chunks on disk (an interrupted run goes on), loaded padded."""
+"""Rendered training frames: made by many workers, kept in chunks on disk (a cut-off run goes on), loaded padded."""
 
 from __future__ import annotations
 
+import io
+import logging
 import os
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -15,7 +16,10 @@ import numpy.typing as npt
 from teleop.body.features import FAR_MM, pad_image
 from teleop.body.parts import MIRROR_PART, N_PARTS, NO_PART
 from teleop.errors import DataError
+from teleop.parallel import Pool
+from teleop.software import sources_digest
 
+_log = logging.getLogger(__name__)
 CHUNK: Final = 200
 WIDTH: Final = 320
 HEIGHT: Final = 240
@@ -55,24 +59,34 @@ def chunk_path(folder: Path, split: Split, first: int) -> Path:
     return folder / f"{split}_{first:07d}.npz"
 
 
-def render_chunk(folder: Path, split: Split, first: int, max_offset_m: float) -> Path:
-    """Render CHUNK frames from their seeds and keep what training needs of them.
+@dataclass(frozen=True, slots=True)
+class ChunkTask:
+    """Frames ``first .. first + count`` of a split; seeds are their numbers. max_offset_m: see pad_image."""
+
+    split: Split
+    first: int
+    count: int
+    max_offset_m: float
+
+
+def render_chunk(task: ChunkTask) -> bytes:
+    """Render frames from their seeds: an .npz of what training needs of them. Same task: same bytes.
 
     Odd seeds are mirrored images: the sensor's shadow falls on the other side.
     """
     from teleop.people.sampling import SampleSpec, sample_frame
 
     images, parts, rows = [], [], []
-    joints = np.zeros((CHUNK, 20, 3))
-    visible = np.zeros((CHUNK, 20), bool)
-    for n in range(CHUNK):
-        seed = first + n
-        shot = sample_frame(seed, SampleSpec(split=split, width=WIDTH, height=HEIGHT, mirrored=bool(seed % 2)))
+    joints = np.zeros((task.count, 20, 3))
+    visible = np.zeros((task.count, 20), bool)
+    for n in range(task.count):
+        seed = task.first + n
+        shot = sample_frame(seed, SampleSpec(split=task.split, width=WIDTH, height=HEIGHT, mirrored=bool(seed % 2)))
         frame = shot.frame
         mask = frame.depth_mm > 0
         r, c = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
         box = (int(c[0]), int(r[0]), int(c[-1]) + 1, int(r[-1]) + 1) if len(r) else (0, 0, 1, 1)
-        image = pad_image(frame.depth_mm, mask, box, frame.camera, max_offset_m, 1)
+        image = pad_image(frame.depth_mm, mask, box, frame.camera, task.max_offset_m, 1)
         height, width = image.depth_mm.shape
         pad_u, pad_v = (width - (box[2] - box[0])) // 2, (height - (box[3] - box[1])) // 2
         label = np.full((height, width), NO_PART, np.uint8)
@@ -83,38 +97,60 @@ def render_chunk(folder: Path, split: Split, first: int, max_offset_m: float) ->
         parts.append(label.reshape(-1))
         rows.append((width, height, image.u0, image.v0, image.cx, image.cy, image.fx))
         joints[n], visible[n] = shot.joints_m, shot.visible
-    path = chunk_path(folder, split, first)
-    part_file = path.with_suffix(f".{os.getpid()}.tmp")
-    with part_file.open("wb") as file:
-        np.savez_compressed(
-            file,
-            flat_mm=np.concatenate(images),
-            part=np.concatenate(parts),
-            rows=np.array(rows, np.float64),
-            joints_m=joints,
-            visible=visible,
-        )
-    part_file.replace(path)
-    return path
+    packed = io.BytesIO()
+    np.savez_compressed(
+        packed,
+        flat_mm=np.concatenate(images),
+        part=np.concatenate(parts),
+        rows=np.array(rows, np.float64),
+        joints_m=joints,
+        visible=visible,
+        made_by=np.array(_renderer()),
+    )
+    return packed.getvalue()
 
 
 def render_dataset(
-    folder: Path, split: Split, frames: int, max_offset_m: float, workers: int
+    folder: Path, split: Split, frames: int, max_offset_m: float, pool: Pool
 ) -> Iterator[tuple[int, int]]:
-    """Render what is missing of ``frames`` frames; yields (chunks done, chunks in all) after each chunk."""
+    """Render what is missing of ``frames`` frames; yields (chunks done, chunks in all) after each chunk.
+
+    The workers send chunks back, so that they need no folder in common with the caller.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     firsts = range(0, frames, CHUNK)
     missing = [first for first in firsts if not chunk_path(folder, split, first).is_file()]
     done = len(firsts) - len(missing)
+    _warn_of_others([chunk_path(folder, split, first) for first in firsts if first not in set(missing)])
     yield done, len(firsts)
-    if not missing:
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        futures = [pool.submit(render_chunk, folder, split, first, max_offset_m) for first in missing]
-        for future in futures:
-            future.result()
-            done += 1
-            yield done, len(firsts)
+    tasks = [ChunkTask(split, first, CHUNK, max_offset_m) for first in missing]
+    for outcome in pool.run(render_chunk, tasks):
+        path = chunk_path(folder, split, outcome.task.first)
+        part = path.with_suffix(f".{os.getpid()}.part")
+        part.write_bytes(outcome.value())
+        part.replace(path)
+        done += 1
+        yield done, len(firsts)
+
+
+def _renderer() -> str:
+    """What decides the pixels of a frame beside its seed."""
+    return sources_digest("teleop.people")
+
+
+def _warn_of_others(paths: list[Path]) -> None:
+    """Frames made by another version of the renderer are used, but not silently."""
+    others = 0
+    for path in paths:
+        with np.load(path) as data:
+            others += "made_by" not in data or str(data["made_by"]) != _renderer()
+    if others:
+        _log.warning(
+            "%d of %d chunks in %s were rendered by another version; remove them to have them rendered anew",
+            others,
+            len(paths),
+            paths[0].parent,
+        )
 
 
 def load_images(folder: Path, split: Split, frames: int) -> Images:

@@ -11,7 +11,9 @@ from typing import Final
 from teleop.body.model import BodyModel, save_model
 from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
+from teleop.parallel import open_pool
 from teleop.people.sampling import RenderedFrame, SampleSpec, sample_frame
+from teleop.software import library_digest
 from teleop.training.build import BuildSpec, Progress, build_model
 from teleop.training.correcting import fit_correction
 from teleop.training.dataset import HEIGHT, WIDTH, Images, Split, load_images, render_dataset
@@ -26,14 +28,16 @@ PADDING_M: Final = 0.5
 class Recipe:
     """frames: training frames. validation: frames the fit uses; as many again are scored. correction: further
     validation frames for the joint correction. rooms: frames with a room, and as many without, that teach what is a
-    person. seed: of all draws."""
+    person. seed: of all draws. workers: processes that render, by default one per core. scheduler: address of a Dask
+    cluster that renders instead."""
 
     frames: int = 24000
     validation: int = 300
     correction: int = 2400
     rooms: int = 400
     seed: int = 2011
-    workers: int = 2
+    workers: int | None = None
+    scheduler: str | None = None
     build: BuildSpec = field(default_factory=BuildSpec)
 
 
@@ -52,9 +56,10 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
     """
     validation = 2 * recipe.validation + recipe.correction
     wanted: tuple[tuple[Split, int], ...] = (("validation", validation), ("train", recipe.frames))
-    for split, count in wanted:
-        for done, total in render_dataset(work, split, count, PADDING_M, recipe.workers):
-            progress(f"rendering {split}", done / total)
+    with open_pool(recipe.workers, recipe.scheduler, library_digest) as pool:
+        for split, count in wanted:
+            for done, total in render_dataset(work, split, count, PADDING_M, pool):
+                progress(f"rendering {split}", done / total)
     model = build_model(load_images(work, "train", recipe.frames), recipe.build, recipe.seed, progress)
     progress("fitting", 0.0)
     model = fit_everything(model, recipe, work)
