@@ -257,6 +257,13 @@ class RobotWire(Message):
     moved: dict[str, Pose]
 
 
+class Ghost(Message):
+    """Where the robot was at this frame when the recording was made; joints: URDF joint name -> rad or m."""
+
+    base: BasePose
+    joints: dict[str, float]
+
+
 class StageLatency(Message):
     """Milliseconds over the last few hundred frames."""
 
@@ -266,7 +273,10 @@ class StageLatency(Message):
 
 
 class State(Message):
-    """One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s]."""
+    """One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s].
+
+    ghost: only while a recording plays that knows where the robot was.
+    """
 
     type: Literal["state"] = "state"
     seq: int
@@ -283,6 +293,7 @@ class State(Message):
     hands: HandsState
     command: CommandState
     robot: RobotWire
+    ghost: Ghost | None = None
     reasons: tuple[str, ...]
     latency_ms: dict[str, StageLatency]
     clients: int

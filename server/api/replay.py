@@ -1,4 +1,4 @@
-"""POST /replay/{play|pause|seek|speed|loop}: controls of a recorded source."""
+"""POST /replay/{play|pause|step|seek|speed|loop}: controls of a recorded source."""
 
 from __future__ import annotations
 
@@ -74,6 +74,14 @@ def replay_pause(engine: EngineDep) -> ReplayState:
     """Stand still; the robot is held, then stopped, as when frames stay away."""
     playback = _playback(engine)
     playback.pause()
+    return _state(playback)
+
+
+@router.post("/step")
+def step(engine: EngineDep) -> ReplayState:
+    """Pause and show the next frame; the robot moves on by one frame's time at most."""
+    playback = _playback(engine)
+    playback.step()
     return _state(playback)
 
 

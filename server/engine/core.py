@@ -21,6 +21,7 @@ from teleop.intent_types import Event, Mode
 from teleop.kernel import apply_request
 from teleop.pipeline import Pipeline, PipelineOutput
 from teleop.reasons import Reason
+from teleop.recording.recorded import RecordedPose
 from teleop.safety import watchdog
 
 
@@ -41,7 +42,7 @@ class StepContext:
 class Moment:
     """What one step did. frame and output belong to the last frame when this step had none (``fresh`` False).
 
-    received_s: when that frame was received, monotonic.
+    received_s: when that frame was received, monotonic. recorded: where the robot was when it was recorded.
     """
 
     frame: DepthFrame | None
@@ -53,6 +54,7 @@ class Moment:
     received_s: float | None
     fresh: bool
     told: StepContext
+    recorded: RecordedPose | None = None
 
 
 class Core:
@@ -119,6 +121,9 @@ class Core:
             self._start_robot(told)
         elif arrived.restarted and self._settings.engine.reset_robot_on_loop and not told.estop:
             self.world.reset()
+        mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
+        if arrived.in_control and mode is Mode.SEEN:
+            self.pending.engage = True  # so the robot eases to the operator of a session entered in its middle
         inputs = self.pending.take(now_s, round(arrived.received_s * 1e9) if live else None)
         output = self._run(arrived.frame, inputs)
         command = output.command
@@ -128,7 +133,16 @@ class Core:
             command = self._watched(now_s) or command
         robot = self._move(command, told)
         self._last = Moment(
-            arrived.frame, output, command, robot, inputs, output.events, arrived.received_s, fresh=True, told=told
+            arrived.frame,
+            output,
+            command,
+            robot,
+            inputs,
+            output.events,
+            arrived.received_s,
+            fresh=True,
+            told=told,
+            recorded=arrived.recorded,
         )
         return self._last
 
@@ -168,7 +182,8 @@ class Core:
                 events = (*events, Event(self._t_ns, "refused", refusal))
         robot = self._move(command, told)
         frame, output, received_s = (last.frame, last.output, last.received_s) if last else (None, None, None)
-        return Moment(frame, output, command, robot, inputs, events, received_s, fresh=False, told=told)
+        recorded = last.recorded if last else None
+        return Moment(frame, output, command, robot, inputs, events, received_s, False, told, recorded)
 
     @property
     def _t_ns(self) -> int:

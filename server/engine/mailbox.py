@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from teleop.frames import DepthFrame
+from teleop.recording.recorded import RecordedPose
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,13 +15,16 @@ class Arrived:
     """A frame with the server's own clock.
 
     received_s: monotonic time of receipt. position_s: since the first frame of the source.
-    restarted: the recording began again before this frame.
+    restarted: the recording began again before this frame. recorded: where the robot was at this frame, if known.
+    in_control: just after a jump, whether the operator was in control there when it was recorded.
     """
 
     frame: DepthFrame
     received_s: float
     position_s: float
     restarted: bool = False
+    recorded: RecordedPose | None = None
+    in_control: bool = False
 
 
 class Mailbox:
@@ -38,7 +42,7 @@ class Mailbox:
             if self._slot is not None:
                 self.dropped += 1
                 if self._slot.restarted and not arrived.restarted:
-                    arrived = Arrived(arrived.frame, arrived.received_s, arrived.position_s, restarted=True)
+                    arrived = replace(arrived, restarted=True)
             self._slot = arrived
             self._ready.notify_all()
 

@@ -1,4 +1,4 @@
-"""Replay controls of a recorded source: play, pause, seek, speed, loop; and when the next frame is due."""
+"""Replay controls of a recorded source: play, pause, step, seek, speed, loop; and when the next frame is due."""
 
 from __future__ import annotations
 
@@ -77,6 +77,12 @@ class Playback:
     def pause(self) -> None:
         """Stand still at the present frame."""
         with self._changed:
+            self._update(replace(self._state, paused=True))
+
+    def step(self) -> None:
+        """Pause, and show the one frame that comes next."""
+        with self._changed:
+            self._show_one = True
             self._update(replace(self._state, paused=True))
 
     def seek(self, position_s: float) -> None:

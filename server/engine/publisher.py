@@ -176,6 +176,7 @@ class Publisher:
             hands=snapshot.hands_state(intent.hands) if intent else wire.HandsState(),
             command=snapshot.command_state(moment.command),
             robot=snapshot.robot_state(moment.robot),
+            ghost=snapshot.ghost_state(moment.recorded),
             reasons=snapshot.merged_reasons(moment.command.reasons, moment.robot.reasons),
             latency_ms=self._ledger.table(),
             clients=self._hub.count,

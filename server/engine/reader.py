@@ -9,8 +9,13 @@ from server.engine.mailbox import Arrived, Mailbox
 from server.engine.playback import Playback, Turn
 from teleop.errors import TeleopError
 from teleop.frames import DepthFrame
+from teleop.recording import McapSource
+from teleop.recording.recorded import RecordedModes, RecordedRobot
 from teleop.sources.base import Source
 from teleop.sources.jpeg import through_jpeg
+
+_TAKE_OVER_FRAMES = 10
+"""After a jump into the middle of a recorded session: time for the tracker to find the operator again."""
 
 
 class Reader(threading.Thread):
@@ -63,10 +68,14 @@ class Reader(threading.Thread):
     def _recorded(self) -> None:
         first_ns: int | None = None
         turn = Turn.SEEK
+        recording = self._source if isinstance(self._source, McapSource) else None
+        robot = RecordedRobot(recording) if recording else None
+        modes = RecordedModes(recording) if recording else None
         while turn is Turn.SEEK:
             start_s = self._playback.start_at()
             restarted = start_s == 0.0 and first_ns is not None
             turn = Turn.DELIVER
+            take_over = _TAKE_OVER_FRAMES if start_s > 0.0 else 0
             for frame in self._source.frames(start_s):
                 first_ns = frame.t_ns if first_ns is None else first_ns
                 position_s = (frame.t_ns - first_ns) * 1e-9
@@ -74,7 +83,10 @@ class Reader(threading.Thread):
                 if turn is not Turn.DELIVER:
                     break
                 received_s = time.monotonic()
-                self._give(Arrived(self._settle(frame), received_s, position_s, restarted))
+                pose = robot.at(frame.t_ns) if robot else None
+                in_control = take_over > 0 and modes is not None and modes.in_control(frame.t_ns)
+                take_over -= 1
+                self._give(Arrived(self._settle(frame), received_s, position_s, restarted, pose, in_control))
                 restarted = False
             else:
                 if first_ns is None:

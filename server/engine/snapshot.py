@@ -13,6 +13,7 @@ from server import wire
 from teleop.frames import Camera, pixels
 from teleop.intent_types import BodyAngles, Hands
 from teleop.joints import JOINT_NAMES
+from teleop.recording.recorded import RecordedPose
 from teleop.skeleton import FloorPlane, Skeleton
 
 
@@ -115,6 +116,14 @@ def robot_state(state: RobotState) -> wire.RobotWire:
         fruits=dict(state.fruits),
         moved={name: _pose(pose) for name, pose in state.moved.items()},
     )
+
+
+def ghost_state(pose: RecordedPose | None) -> wire.Ghost | None:
+    """Where the robot was when the recording was made; rounded as the robot's own state."""
+    if pose is None:
+        return None
+    base = wire.BasePose(x=round(pose.x_m, 4), y=round(pose.y_m, 4), yaw=round(pose.yaw_rad, 4))
+    return wire.Ghost(base=base, joints={name: round(q, 4) for name, q in pose.joint_rad.items()})
 
 
 def merged_reasons(*groups: Iterable[str]) -> tuple[str, ...]:

@@ -212,6 +212,12 @@ export interface RobotWire {
   moved: { [key: string]: Pose };
 }
 
+/** Where the robot was at this frame when the recording was made; joints: URDF joint name -> rad or m. */
+export interface Ghost {
+  base: BasePose;
+  joints: { [key: string]: number };
+}
+
 /** Milliseconds over the last few hundred frames. */
 export interface StageLatency {
   p50: number;
@@ -219,7 +225,7 @@ export interface StageLatency {
   last: number;
 }
 
-/** One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s]. */
+/** One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s]. ghost: only while a recording plays that knows where the robot was. */
 export interface State {
   type: "state";
   seq: number;
@@ -236,6 +242,7 @@ export interface State {
   hands: HandsState;
   command: CommandState;
   robot: RobotWire;
+  ghost: Ghost | null;
   reasons: string[];
   latency_ms: { [key: string]: StageLatency };
   clients: number;
