@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from teleop.recording.comparison import Comparison
 
 
 def replay(
@@ -21,6 +18,10 @@ def replay(
         typer.Option("--config", metavar="FILE", help="Do it again with these settings laid over the recorded ones."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as one JSON object.")] = False,
+    console: Annotated[
+        bool,
+        typer.Option("--console", help="With --config: in the console, the recorded robot as a ghost beside it."),
+    ] = False,
     port: Annotated[int | None, typer.Option(help="TCP port of the console. [default: 8000]")] = None,
 ) -> None:
     """Replay a recording: in the console, or (--verify, --config) through the whole pipeline once more.
@@ -28,16 +29,19 @@ def replay(
     On the software version, body model and processor that recorded it every bit must agree; on others the stated
     tolerances hold. Raw frames and recorded inputs go in, tracking rows, robot joints and chassis are compared.
     """
-    if not verify and config is None:
+    if console and config is None:
+        raise typer.BadParameter("--console goes with --config; a plain replay opens the console anyway")
+    if not verify and (config is None or console):
         from server.cli.serve import serve
 
-        serve(source=str(recording), port=port)
+        serve(source=str(recording), port=port, config=config)
         return
     if verify and config is not None:
         raise typer.BadParameter("--verify repeats the recorded settings, --config changes them; choose one")
     import tomllib
 
     from server.cli.progress import frame_progress
+    from server.cli.replay_words import lines, whatif_lines
     from server.errors import SettingsError
     from server.quiet import quiet_output
     from teleop.body.model import load_model
@@ -68,29 +72,7 @@ def replay(
         content = asdict(found) | {"tolerance": found.tolerance.model_dump(), "unlike": unlikeness}
         typer.echo(json.dumps(content | {"identical": found.identical, "ok": ok}, indent=1))
     else:
-        typer.echo("\n".join(lines(found, unlikeness, changed=change is not None)))
+        told = lines(found, unlikeness) if change is None else whatif_lines(found)
+        typer.echo("\n".join(told))
     if not ok:
         raise typer.Exit(1)
-
-
-def lines(found: Comparison, unlikeness: list[str], *, changed: bool) -> list[str]:
-    """The comparison for people."""
-    if found.identical:
-        return [f"{found.frames} frames: every tracking row and robot state agrees bit for bit"]
-    text = [f"{found.differing} of {found.frames} frames differ"]
-    if found.missing:
-        text.append(f"{found.missing} frames could not be compared: the recording lacks them or their rows")
-    if found.first is not None:
-        first = found.first
-        text.append(f"first at {first.t_ns * 1e-9:.3f} s: {first.where} was {first.before}, is now {first.after}")
-    for name, group in sorted(found.groups.items()):
-        largest = f", largest {group.largest:.3g} (tolerance {found.tolerance.of(name):g})" if group.largest else ""
-        text.append(f"  {name}: {group.frames} frames{largest}, {group.beyond} beyond")
-    if not changed:
-        text.append(
-            f"tolerances apply, the recording was made with another {', '.join(unlikeness)}: "
-            + ("within" if found.within_tolerance else "beyond")
-            if unlikeness
-            else "same version, model and processor: every bit should agree"
-        )
-    return text

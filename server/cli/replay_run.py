@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import platform
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -14,6 +13,7 @@ from server.engine.core import Core, Moment
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
 from server.engine.pending import Pending
+from server.engine.recording import session_identity
 from server.settings import Settings, changed
 from teleop.body.model import BodyModel
 from teleop.body.tracker import BodyTracker
@@ -22,10 +22,8 @@ from teleop.frames import DepthFrame
 from teleop.inputs import RobotRequest
 from teleop.recording import McapSource, topics
 from teleop.recording.comparison import Comparison
-from teleop.recording.identity import model_digest
 from teleop.recording.inputs_json import inputs_from_json
 from teleop.recording.recorded import RecordedAnswers, RecordedFrames
-from teleop.software import software_version
 from teleop.track_row import track_row
 
 
@@ -64,11 +62,7 @@ def laid_over(settings: Settings, tree: Any) -> Settings:
 
 def unlike(source: McapSource, model: BodyModel) -> list[str]:
     """What differs between the machine and software that recorded and those here; empty: every bit must agree."""
-    here = {
-        topics.KEY_SOFTWARE: software_version(),
-        topics.KEY_MODEL: model_digest(model),
-        topics.KEY_PROCESSOR: platform.machine(),
-    }
+    here = session_identity(model)
     return [name for name, value in here.items() if source.metadata.get(name) != value]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from server.settings import Settings
 from teleop.body.model import BodyModel
 from teleop.intent_types import Event
 from teleop.recording import topics
-from teleop.recording.identity import model_digest
+from teleop.recording.identity import identity
 from teleop.recording.inputs_json import inputs_to_json
 from teleop.recording.recorder import AsyncRecorder
 from teleop.recording.writer import McapWriter
@@ -24,12 +23,17 @@ from teleop.track_row import track_row
 
 def describe(settings: Settings, model: BodyModel, world: World) -> dict[str, str]:
     """What decided the session beside frames and inputs, for the recording's metadata."""
-    return {
+    made_with = session_identity(model)
+    del made_with[topics.KEY_SOFTWARE]  # the writer's own
+    return made_with | {
         topics.KEY_SETTINGS: json.dumps(settings_json(settings) | {"robot": world.config.model_dump(mode="json")}),
         topics.KEY_SEED: str(world.seed),
-        topics.KEY_MODEL: model_digest(model),
-        topics.KEY_PROCESSOR: platform.machine(),
     }
+
+
+def session_identity(model: BodyModel) -> dict[str, str]:
+    """What the bits of a session of this engine depend on beside its settings and inputs."""
+    return identity(model, "server.engine")
 
 
 def settings_json(settings: Settings) -> dict[str, Any]:

@@ -48,8 +48,20 @@ class Difference:
 
 
 @dataclass(slots=True)
+class Leaf:
+    """One value over all frames. first: where it begins to differ. largest: of a number."""
+
+    first: Difference
+    frames: int = 0
+    largest: float = 0.0
+
+
+@dataclass(slots=True)
 class Comparison:
-    """Filled frame by frame. missing: frames that could not be compared because one side lacks them."""
+    """Filled frame by frame. missing: frames that could not be compared because one side lacks them.
+
+    leaves: by dotted path, such as ``angles.T1``. start_ns: time of the first frame.
+    """
 
     tolerance: Tolerance = field(default_factory=Tolerance)
     frames: int = 0
@@ -57,23 +69,29 @@ class Comparison:
     missing: int = 0
     first: Difference | None = None
     groups: dict[str, Group] = field(default_factory=dict)
+    leaves: dict[str, Leaf] = field(default_factory=dict)
+    start_ns: int | None = None
 
     def add(self, t_ns: int, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
         """Compare one frame: JSON objects of numbers, words and nulls, nested at will; numbers bit for bit."""
         self.frames += 1
+        self.start_ns = t_ns if self.start_ns is None else self.start_ns
         old, new = dict(_leaves(before)), dict(_leaves(after))
         touched: dict[str, bool] = {}
         for where in sorted(old.keys() | new.keys()):
             a, b = old.get(where), new.get(where)
             if a == b:
                 continue
-            if self.first is None:
-                self.first = Difference(t_ns, where, a, b)
+            difference = Difference(t_ns, where, a, b)
+            self.first = self.first or difference
+            leaf = self.leaves.setdefault(where, Leaf(difference))
+            leaf.frames += 1
             name = where.partition(".")[0]
             group = self.groups.setdefault(name, Group())
             far = True
             if isinstance(a, int | float) and isinstance(b, int | float):
                 group.largest = max(group.largest, abs(a - b))
+                leaf.largest = max(leaf.largest, abs(a - b))
                 far = abs(a - b) > self.tolerance.of(name)
             touched[name] = touched.get(name, False) or far
         self.differing += bool(touched)

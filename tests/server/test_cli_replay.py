@@ -13,8 +13,8 @@ from live_server import frames, tracker
 
 from robot_sim.world import World
 from server.cli.record_run import RecordOptions, record_session
-from server.cli.replay import lines
 from server.cli.replay_run import RecordedStep, compare, recorded_settings, unlike
+from server.cli.replay_words import lines, whatif_lines
 from server.engine.core import Core
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
@@ -55,7 +55,7 @@ def verified(path: Path, change: dict[str, Any] | None = None) -> Comparison:
 
 def test_a_recorded_session_replays_bit_for_bit(recording: Path) -> None:
     found = verified(recording)
-    assert found.identical and found.frames == 61, lines(found, [], changed=False)
+    assert found.identical and found.frames == 61, lines(found, [])
 
 
 def test_the_session_moved_the_robot(recording: Path) -> None:
@@ -72,8 +72,33 @@ def test_other_settings_are_summarised(recording: Path) -> None:
     found = verified(recording, {"teleop": {"body": {"filter": {"enabled": False}}}})
     assert not found.identical and found.differing > 20 and found.missing == 0
     assert 0 < found.groups["joints"].largest < 0.5
-    text = lines(found, [], changed=True)
-    assert text[0].endswith("of 61 frames differ") and any(line.startswith("  joints: ") for line in text)
+    text = whatif_lines(found)
+    assert text[0].endswith("of 61 frames would have been different") and "operator's angles [deg]" in text
+    angles = next(line for line in text if line.startswith("  theta1_right: "))
+    assert " s on, up to " in angles
+    assert whatif_lines(verified(recording, {})) == ["61 frames: these settings would have changed nothing"]
+
+
+def test_a_change_of_words_is_told_with_its_begin() -> None:
+    found = Comparison()
+    for i in range(10):
+        before = {"mode": "picking", "command": {"gripper_open": None}, "reasons": ["a"]}
+        after = {"mode": "picking" if i < 4 else "held", "command": {"gripper_open": i > 6}, "reasons": ["a"]}
+        found.add(5_000_000_000 + i * 100_000_000, before, after)
+    assert whatif_lines(found) == [
+        "10 of 10 frames would have been different",
+        "mode, zone, hands",
+        "  mode: 6 frames (60 %) from 0.40 s on, picking -> held",
+        "tools",
+        "  gripper_open: 10 frames (100 %) from 0.00 s on, none -> False",
+    ]
+
+
+def test_another_build_of_the_same_version_is_told_apart(recording: Path) -> None:
+    source = McapSource(recording)
+    source.metadata["sources_sha256"] = "0" * 64
+    assert unlike(source, load_model()) == ["sources_sha256"]
+    source.close()
 
 
 def test_all_inputs_of_a_live_session_count(tmp_path: Path) -> None:
@@ -125,7 +150,7 @@ def test_all_inputs_of_a_live_session_count(tmp_path: Path) -> None:
     assert codes == {Reason.NO_FRAME_HOLD, Reason.SOURCE_FAILED}
     assert sum(bool(row.get("frame")) and not row["stored"] for row in rows) == 1
     found = verified(path)
-    assert found.identical and found.frames == 23, lines(found, [], changed=False)
+    assert found.identical and found.frames == 23, lines(found, [])
 
 
 def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 import httpx
 from live_server import COUNT, running
 
-from server.cli.replay import lines
 from server.cli.replay_run import compare
+from server.cli.replay_words import lines
 from teleop.body.model import load_model
 from teleop.recording import McapSource, topics
 
@@ -56,7 +56,7 @@ def test_what_the_server_recorded_replays_bit_for_bit(tmp_path: Path) -> None:
             found = compare(source, load_model())
         finally:
             source.close()
-    assert found.identical, lines(found, [], changed=False)
+    assert found.identical, lines(found, [])
     assert 10 < found.frames <= COUNT
     asked = [row for row in rows if "settings" not in row]
     assert len(rows) - len(asked) == 1
