@@ -17,11 +17,13 @@ from server.access.tokens import Tokens
 from server.api import (
     access,
     config,
+    docs,
     health,
     jobs,
     motions,
     openapi,
     operate,
+    operators,
     problems,
     push,
     recordings,
@@ -67,17 +69,21 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, t
         summary="Drive a three-arm greenhouse robot with your body in front of a depth camera.",
         lifespan=lifespan,
         generate_unique_id_function=openapi.operation_id,
+        docs_url=None,
+        redoc_url=None,
     )
     app.state.desk, app.state.jobs = desk, jobs_kept
     app.state.engine, app.state.hub, app.state.library = engine, hub, library
     app.state.studies = settings.studies
     problems.install(app)
     api = APIRouter(prefix="/api/v1")
-    for part in (health, access, config, operate, replay, recordings, motions, sessions, jobs, stream, push):
+    parts = (health, access, config, operators, operate, replay, recordings, motions, sessions, jobs, stream, push)
+    for part in parts:
         api.include_router(part.router)
     app.include_router(api)
     app.include_router(health.metrics_router(engine, hub))
     openapi.install(app)
+    docs.install(app)
     _mount_console(app)
     app.add_middleware(Gate, desk=desk, answer=problems.refusal)
     app.add_middleware(
