@@ -20,6 +20,7 @@ from server.api import (
     docs,
     health,
     jobs,
+    metrics,
     motions,
     openapi,
     operate,
@@ -35,6 +36,7 @@ from server.api.guard import Guard
 from server.engine.engine import Engine
 from server.jobs import Jobs
 from server.library import Library
+from server.loop_lag import LoopLag
 from server.settings import Settings
 from server.stream.hub import Hub
 from teleop.software import software_version
@@ -51,15 +53,18 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, t
     """The application around a running engine. It binds the hub to its event loop; it does not stop the engine."""
     desk = Desk(tokens, settings.access, settings.port, engine.publisher.announce, engine.audit)
     jobs_kept = Jobs()
+    lag = LoopLag()
+    measured = metrics.EngineMetrics(engine, hub, desk, jobs_kept, lag)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         hub.bind(asyncio.get_running_loop())
         desk.changed = lambda: hub.tell_each(lambda caller: desk.access(caller).model_dump_json())
         desk.taken = lambda: _disengage(engine)
-        watching = asyncio.create_task(_watch(desk))
+        watching = [asyncio.create_task(work) for work in (_watch(desk), lag.watch())]
         yield
-        watching.cancel()
+        for task in watching:
+            task.cancel()
         jobs_kept.close()
         hub.bind(None)
 
@@ -81,7 +86,7 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, t
     for part in parts:
         api.include_router(part.router)
     app.include_router(api)
-    app.include_router(health.metrics_router(engine, hub))
+    app.include_router(metrics.metrics_router(measured))
     openapi.install(app)
     docs.install(app)
     _mount_console(app)
@@ -93,6 +98,7 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, t
         json_bytes=settings.upload.json_kb * 1000,
         upload_bytes=settings.upload.recording_mb * 1_000_000 + 10_000,
     )
+    app.add_middleware(metrics.Requests, counts=measured.requests, seconds=measured.seconds)
     return app
 
 

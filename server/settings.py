@@ -14,8 +14,9 @@ from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, Settings
 from robot_sim.config import RobotConfig
 from server.errors import SettingsError
 from server.refusals import explain
-from teleop.config import TeleopConfig
+from teleop.config import OperatorConfig, TeleopConfig
 from teleop.config.base import Section
+from teleop.profiles import ProfileStore
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -34,6 +35,11 @@ def default_studies() -> Path:
 def default_access() -> Path:
     """Where the digests of the tokens are kept: a file beside the recordings."""
     return default_library().with_name("access.json")
+
+
+def default_operators() -> Path:
+    """Where operator profiles lie: the folder operators beside the recordings."""
+    return default_library().with_name("operators")
 
 
 def bundled_recordings() -> Path:
@@ -76,6 +82,9 @@ class LoopConfig(Section):
         default=1.0, ge=0.1, le=60.0, description="age of the last step from which /health says degraded [s]"
     )
     ledger_frames: int = Field(default=300, ge=30, le=10_000, description="frames the latency percentiles look back on")
+    min_disk_mb: int = Field(
+        default=500, ge=0, le=1_000_000, description="free disk space below which /ready says no [MB]"
+    )
     reset_robot_on_loop: bool = Field(
         default=True, description="put the robot back to its start when a recording loops"
     )
@@ -124,6 +133,7 @@ class Settings(Section):
     record: bool = Field(default=False, description="record the session to the library")
     library: Path = Field(default_factory=default_library, description="folder of own recordings")
     studies: Path = Field(default_factory=default_studies, description="folder of the motions of 'teleop study'")
+    operators: Path = Field(default_factory=default_operators, description="folder of the operator profiles")
     model: Path | None = Field(default=None, description="body model file; the shipped one by default")
     allowed_origins: tuple[str, ...] = Field(
         default=(), description="web origins beside the server's own that may connect"
@@ -161,6 +171,19 @@ def changed(settings: Settings, patch: Mapping[str, Any]) -> Settings:
         return Settings.model_validate(merged)
     except ValidationError as error:
         raise SettingsError(explain(error, Settings)) from error
+
+
+def with_operator(settings: Settings, name: str | None) -> Settings:
+    """The settings with an operator's profile chosen by name; None or "" chooses nobody.
+
+    Raises ProfileError for a name that is not known and SettingsError for values that do not fit.
+    """
+    profile = ProfileStore(settings.operators).load(name) if name else OperatorConfig()
+    teleop = settings.teleop.model_dump(mode="python") | {"operator": profile.model_dump(mode="python")}
+    try:
+        return settings.model_copy(update={"teleop": TeleopConfig.model_validate(teleop)})
+    except ValidationError as error:
+        raise SettingsError(f"operator '{name}': {explain(error, TeleopConfig)}") from error
 
 
 class _Layered(Settings, BaseSettings):

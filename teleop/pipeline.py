@@ -61,9 +61,10 @@ class Pipeline:
     """Perception, intent and safety with one configuration; holds no state of its own."""
 
     def __init__(self, tracker: BodyTracker, config: TeleopConfig, hands: HandReader = read_hands) -> None:
-        """hands: the rule that reads them, one frame at a time."""
+        """hands: the rule that reads them, one frame at a time. The chosen operator's values count."""
         self.tracker = tracker
         self.config = config
+        self.intent = config.effective_intent()
         self.hands = hands
 
     def initial_state(self, assume_engaged: bool = False) -> PipelineState:
@@ -84,7 +85,7 @@ class Pipeline:
         self, frame: DepthFrame, state: PipelineState, inputs: Inputs = Inputs()
     ) -> tuple[Track, PipelineState]:
         """Judge the frame's stamp and picture, then track. A frame that is not used gives an empty track."""
-        stream = step_stream(state.stream, frame.t_ns, inputs.receive_t_ns, self.config.intent.safety)
+        stream = step_stream(state.stream, frame.t_ns, inputs.receive_t_ns, self.intent.safety)
         picture = no_picture(frame) if stream.refused is None else None
         tracker = self.tracker.initial_state() if stream.restarted else state.tracker
         if stream.refused is not None or picture is not None:
@@ -108,13 +109,13 @@ class Pipeline:
             restarted=stream.restarted,
             reasons=reasons,
         )
-        intent, after = interpret(frame, track, state.intent, inputs, now, self.config.intent, self.hands)
+        intent, after = interpret(frame, track, state.intent, inputs, now, self.intent, self.hands)
         return intent, replace(state, intent=after)
 
     def press(self, t_ns: int, state: PipelineState, inputs: Inputs) -> tuple[Intent, PipelineState]:
         """A step without a frame: the buttons alone, so that a stop counts while none comes."""
         now = Circumstances(t_ns=t_ns, dt_s=0.0, used=False, restarted=False)
-        intent, after = interpret(None, None, state.intent, inputs, now, self.config.intent)
+        intent, after = interpret(None, None, state.intent, inputs, now, self.intent)
         return intent, replace(state, intent=after)
 
     def decide(
@@ -124,10 +125,10 @@ class Pipeline:
         sight = state.intent.sight
         moment = Moment(
             body=sight.body if sight.seen_now else None,
-            dt_s=min(state.stream.dt_s, self.config.intent.safety.max_dt_s),
+            dt_s=min(state.stream.dt_s, self.intent.safety.max_dt_s),
             zone_settled=state.intent.zone.settled,
             estop=state.intent.control.estop,
             head_camera_sweep=state.intent.task.head_camera_sweep,
         )
-        command, kernel = step_kernel(intent, moment, state.kernel, inputs.request, self.config.intent)
+        command, kernel = step_kernel(intent, moment, state.kernel, inputs.request, self.intent)
         return command, replace(state, kernel=kernel)

@@ -44,6 +44,8 @@ _TABLE: tuple[tuple[str, str, Need], ...] = (
     ("POST", r"/recordings(/.*)?", MANAGE),
     ("DELETE", r"/recordings/.*", MANAGE),
     ("DELETE", r"/jobs/.*", MANAGE),
+    ("PUT", r"/operators/.*", MANAGE),
+    ("DELETE", r"/operators/.*", MANAGE),
     ("WS", r"/stream", VIEW),
     ("WS", r"/push", Need(Role.OPERATOR, audited=True)),
 )

@@ -16,6 +16,7 @@ from server.cli.doctor import doctor
 from server.cli.evaluate import evaluate
 from server.cli.export import export
 from server.cli.info import info
+from server.cli.operators import operators_app
 from server.cli.push import push
 from server.cli.record import record
 from server.cli.replay import replay
@@ -37,6 +38,7 @@ app = typer.Typer(
 for command in (serve, track, record, replay, push, convert, export, info, doctor, train, evaluate):
     app.command()(command)
 app.add_typer(study_app, name="study")
+app.add_typer(operators_app, name="operators")
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ def record(
         bool, typer.Option("--engage", help="Engage whoever is seen, as if the button were pressed.")
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace a recording that exists.")] = False,
+    operator: Annotated[str | None, typer.Option(help="Profile of who drives; see 'teleop operators'.")] = None,
     config: Annotated[Path | None, typer.Option(metavar="FILE", help="TOML file with settings.")] = None,
 ) -> None:
     """Record depth, colour, tracking, commands and the simulated robot; ends with the source, the time or Ctrl-C.
@@ -24,7 +25,7 @@ def record(
     'teleop replay OUT.mcap --verify' does it again and compares every bit.
     """
     from server.cli.progress import frame_progress
-    from server.settings import load_settings
+    from server.settings import load_settings, with_operator
     from teleop.errors import RecordingError
     from teleop.recording.convert import refuse_overwrite
     from teleop.sources import open_source
@@ -32,6 +33,8 @@ def record(
     if output.suffix.lower() != ".mcap":
         raise typer.BadParameter(f"a recording is named NAME.mcap, not {output.name}; other formats: teleop convert")
     settings = load_settings(config)
+    if operator is not None:
+        settings = with_operator(settings, operator)
     opened = open_source(source)
     count = 0
     try:

@@ -20,6 +20,7 @@ def serve(
     new_tokens: Annotated[
         bool, typer.Option("--new-tokens", help="Make new tokens for the three roles; the old ones and logins end.")
     ] = False,
+    operator: Annotated[str | None, typer.Option(help="Profile of who drives; see 'teleop operators'.")] = None,
     config: Annotated[Path | None, typer.Option(help="TOML file with settings.", metavar="FILE")] = None,
 ) -> None:
     """Serve the operator console and the API, and move the robot."""
@@ -27,11 +28,13 @@ def serve(
 
     from server.runner import check_tls, listen
     from server.runner import serve as run
-    from server.settings import load_settings
+    from server.settings import load_settings, with_operator
 
     flags: dict[str, object] = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
     flags |= {"tls_cert": tls_cert, "tls_key": tls_key}
     settings = load_settings(config, flags)
+    if operator is not None:
+        settings = with_operator(settings, operator)
     out = Console(highlight=False)
     errors = Console(stderr=True, highlight=False)
     check_tls(settings)

@@ -14,7 +14,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from server.settings import load_settings
+from server.settings import load_settings, with_operator
 from teleop.body.model import load_model
 from teleop.body.tracker import BodyTracker
 from teleop.config import TeleopConfig
@@ -46,9 +46,13 @@ class Summary:
         )
 
 
-def load_config(path: Path | None, no_filter: bool) -> TeleopConfig:
-    """The settings' [teleop] tree, as the server reads it. Raises SettingsError with the first wrong value."""
-    config = load_settings(path).teleop
+def load_config(path: Path | None, no_filter: bool, operator: str | None = None) -> TeleopConfig:
+    """The settings' [teleop] tree, as the server reads it, with an operator's profile where one is named.
+
+    Raises SettingsError with the first wrong value, ProfileError for an unknown operator.
+    """
+    settings = load_settings(path)
+    config = (with_operator(settings, operator) if operator is not None else settings).teleop
     if not no_filter:
         return config
     unfiltered = config.body.filter.model_copy(update={"enabled": False})

@@ -231,7 +231,7 @@ class Core:
         mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
         assert inputs.request is not None
         command, kernel, refusal = apply_request(
-            command, inputs.request, self._state.kernel, mode, self.world.state().estop, self._settings.teleop.intent
+            command, inputs.request, self._state.kernel, mode, self.world.state().estop, self._pipeline.intent
         )
         self._state = replace(self._state, kernel=kernel)
         disc_rad = command.disc_rad if inputs.request.disc_rad is None or refusal else inputs.request.disc_rad

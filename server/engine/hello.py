@@ -18,7 +18,7 @@ URDF_URL = "/api/v1/robot/urdf"
 
 def hello(settings: Settings, camera: Camera, scenery: tuple[Primitive, ...]) -> wire.Hello:
     """Zones as the threshold matrix gives them (source eq. 5), the robot's joints and ranges, the greenhouse."""
-    intent, body = settings.teleop.intent, settings.robot.body
+    intent, body = settings.teleop.effective_intent(), settings.robot.body
     zones, k = intent.zones, camera.depth
     return wire.Hello(
         software=software_version(),

@@ -115,15 +115,14 @@ def train(
     return Network(tuple(params[:5]), tuple(params[5:]))
 
 
-def calibrated(net: Network, x: Array, is_open: Bools) -> Network:
-    """Platt scaling on samples the training never saw: scale and offset of the logit by maximum likelihood."""
+def calibrated(net: Network, logit: npt.NDArray[np.float64], is_open: Bools) -> Network:
+    """Platt scaling: scale and offset of the logit by maximum likelihood on answers to what training never saw."""
     from scipy.optimize import minimize
 
-    z = net.logit(x)
     y = is_open.astype(np.float64)
 
     def loss(p: npt.NDArray[np.float64]) -> float:
-        t = np.exp(p[0]) * z + p[1]
+        t = np.exp(p[0]) * logit + p[1]
         return float(np.mean(np.logaddexp(0.0, t) - y * t))
 
     found = minimize(loss, np.zeros(2), method="Nelder-Mead").x

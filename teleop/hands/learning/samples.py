@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import cv2
@@ -13,9 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.config.intent import HandConfig
-from teleop.data import data_folder
-from teleop.errors import DataError
-from teleop.frames import ColorImage
 from teleop.hands.aim import aim_at_hand
 from teleop.hands.legible import illegible
 from teleop.hands.patch import SIZE, Patch, hand_depth_m, hand_patch
@@ -85,45 +80,3 @@ def augmented(x: Patch, rng: np.random.Generator) -> Patch:
         out[..., -2] = out[..., -2] * rng.uniform(0.6, 1.4, (n, 1, 1)) + rng.normal(0, 0.08, (n, 1, 1))
         out[..., -2] += rng.normal(0, 0.05, out.shape[:-1])
     return out
-
-
-# --- real crops, colour only ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RealHand:
-    """A hand cut from a photograph. recording: what must not be split between training and test."""
-
-    crop_rgb: ColorImage
-    is_open: bool
-    recording: str
-
-
-def webcam_hands() -> list[RealHand]:
-    """The labelled boxes of the data set ``hands/webcam`` (Apache-2.0). Raises DataError when it is not there."""
-    folder = data_folder("hands") / "webcam"
-    try:
-        rows = list(csv.DictReader((folder / "labels.csv").read_text().splitlines()))
-    except OSError as error:
-        raise DataError(f"{folder / 'labels.csv'} cannot be read ({error.strerror})") from error
-    out = []
-    for row in rows:
-        image = _read(folder / "images" / row["filename"])
-        x0, y0, x1, y1 = (int(row[k]) for k in ("xmin", "ymin", "xmax", "ymax"))
-        prefix = row["filename"].split("_")[0] if "_" in row["filename"] else "pic"
-        out.append(RealHand(image[y0:y1, x0:x1], row["class"] == "5-hand", prefix))
-    return out
-
-
-def digit_hands() -> Iterator[RealHand]:
-    """The photographs of ``hands/digits`` (Apache-2.0): open palms, and hands closed to an O."""
-    for name, is_open in (("5_open", True), ("0_closed_O", False)):
-        for path in sorted((data_folder("hands") / "digits" / name).iterdir()):
-            yield RealHand(_read(path), is_open, f"digits/{path.stem}")
-
-
-def _read(path: Path) -> ColorImage:
-    image = cv2.imread(str(path))
-    if image is None:
-        raise DataError(f"{path} is no picture that can be read; fetch the data set again")
-    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB).astype(np.uint8)
