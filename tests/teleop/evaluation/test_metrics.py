@@ -5,8 +5,9 @@ import pytest
 
 from teleop.config.intent import AngleConfig
 from teleop.joints import JOINT_INDEX
-from teleop.training.metrics import ANGLES, average_precision, body_angles_deg, joint_figures
-from teleop.training.report import table
+from teleop.evaluation.angle_figures import ANGLES, body_angles_deg
+from teleop.evaluation.metrics import average_precision, joint_figures
+from teleop.evaluation.section import table
 
 
 def test_joint_figures() -> None:

@@ -15,6 +15,8 @@ from teleop.errors import DataError
 from teleop.frames import Camera, DepthFrame, Intrinsics
 from teleop.joints import JOINT_INDEX, JOINT_NAMES, N_JOINTS
 
+FRAMES: Final = 2227
+"""Frames of the data set."""
 UPPER_BODY: Final = tuple(
     JOINT_INDEX[n] for n in JOINT_NAMES if n.startswith(("head", "shoulder", "elbow", "wrist", "hand", "spine"))
 )
