@@ -1,14 +1,11 @@
-"""GET /health, GET /state, GET /metrics."""
+"""GET /health, GET /ready, GET /state."""
 
 from __future__ import annotations
 
+import shutil
 from typing import Literal
 
 from fastapi import APIRouter, Response
-from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, generate_latest
-from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
-from prometheus_client.metrics_core import Metric
-from prometheus_client.registry import Collector
 from pydantic import BaseModel, Field
 
 from server import wire
@@ -16,10 +13,9 @@ from server.api.deps import EngineDep
 from server.api.problems import documented
 from server.engine.engine import Engine
 from server.errors import Refused
-from server.stream.hub import Hub
 from teleop.software import software_version
 
-router = APIRouter()
+router = APIRouter(tags=["operation"])
 
 
 class Health(BaseModel):
@@ -32,15 +28,23 @@ class Health(BaseModel):
     fault: str | None = Field(description="why the source gives no frames")
 
 
-@router.get("/health", tags=["operation"], responses=documented(503))
+class Ready(BaseModel):
+    """Whether an operator could begin now, and what each part says."""
+
+    ready: bool
+    checks: dict[Literal["engine", "source", "recording", "disk"], str] = Field(
+        description="ok, or what is wrong", examples=[{"engine": "ok", "source": "no source is open"}]
+    )
+
+
+@router.get("/health", responses=documented(503))
 def read_health(engine: EngineDep) -> Health:
-    """200 while the engine runs, 503 when it has stopped; degraded while its last step is too old."""
+    """Liveness: 200 while the engine runs, 503 when it has stopped; degraded while its last step is too old."""
     if not engine.is_alive():
         raise Refused(503, "the engine has stopped; see the server's log and restart it")
     session = engine.session
-    late = engine.step_age_s > engine.settings.engine.degraded_s
     return Health(
-        status="degraded" if late else "ok",
+        status="degraded" if _late(engine) else "ok",
         step_age_s=round(engine.step_age_s, 3),
         version=software_version(),
         source=session.name if session else None,
@@ -48,7 +52,29 @@ def read_health(engine: EngineDep) -> Health:
     )
 
 
-@router.get("/state", tags=["operation"], responses=documented(503))
+@router.get("/ready", responses={503: {"model": Ready, "description": "not ready; the checks say why"}})
+def read_ready(engine: EngineDep, response: Response) -> Ready:
+    """Readiness: 200 when the engine steps, the source gives frames and a recording could be written, else 503."""
+    session, config = engine.session, engine.settings
+    fault = "no source is open" if session is None else session.fault
+    lost = session is not None and session.recorder is not None and session.recorder.error
+    free_mb = _free_mb(engine)
+    answer = Ready(
+        ready=True,
+        checks={
+            "engine": "stopped" if not engine.is_alive() else "late" if _late(engine) else "ok",
+            "source": fault or "ok",
+            "recording": lost or "ok",
+            "disk": "ok" if free_mb >= config.engine.min_disk_mb else f"only {free_mb} MB left for recordings",
+        },
+    )
+    if all(said == "ok" for said in answer.checks.values()):
+        return answer
+    response.status_code = 503
+    return answer.model_copy(update={"ready": False})
+
+
+@router.get("/state", responses=documented(503))
 def read_state(engine: EngineDep) -> wire.State:
     """The same state as on the stream, at this moment."""
     latest = engine.publisher.latest()
@@ -57,42 +83,12 @@ def read_state(engine: EngineDep) -> wire.State:
     return latest
 
 
-class EngineMetrics(Collector):
-    """Prometheus' view of one engine and its clients."""
-
-    def __init__(self, engine: Engine, hub: Hub) -> None:
-        self._engine = engine
-        self._hub = hub
-
-    def collect(self) -> list[Metric]:
-        """Counters and gauges, read at this moment."""
-        latency = GaugeMetricFamily(
-            "teleop_latency_ms", "Latency per stage over the last frames [ms]", labels=["stage", "quantile"]
-        )
-        for stage, row in self._engine.ledger.table().items():
-            latency.add_metric([stage, "0.5"], row.p50)
-            latency.add_metric([stage, "0.95"], row.p95)
-        robot = self._engine.publisher.latest()
-        estop = GaugeMetricFamily("teleop_estop", "Emergency stop latched (0 or 1)")
-        estop.add_metric([], float(robot.robot.estop) if robot else 0.0)
-        return [
-            CounterMetricFamily("teleop_frames", "Frames taken by the engine", value=self._engine.frames),
-            CounterMetricFamily("teleop_frames_dropped", "Frames replaced by a newer one", value=self._engine.dropped),
-            GaugeMetricFamily("teleop_clients", "Clients of the stream", value=self._hub.count),
-            estop,
-            latency,
-        ]
+def _late(engine: Engine) -> bool:
+    return engine.step_age_s > engine.settings.engine.degraded_s
 
 
-def metrics_router(engine: Engine, hub: Hub) -> APIRouter:
-    """GET /metrics, outside /api/v1, where Prometheus looks for it."""
-    registry = CollectorRegistry()
-    registry.register(EngineMetrics(engine, hub))
-    routes = APIRouter()
-
-    @routes.get("/metrics", tags=["operation"], response_class=Response)
-    def read_metrics() -> Response:
-        """Prometheus text format."""
-        return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
-
-    return routes
+def _free_mb(engine: Engine) -> int:
+    folder = engine.settings.library
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent  # made with the first recording
+    return shutil.disk_usage(folder).free // 1_000_000

@@ -66,6 +66,11 @@ class SessionRecorder:
         self._closed = False
         self.name = path.stem
 
+    @property
+    def error(self) -> str | None:
+        """Why nothing more is written."""
+        return self._recorder.status.error
+
     def write(self, moment: Moment) -> bool:
         """Record one step. False when the recording is over: its source began again, or the disk gave up."""
         if self._closed:

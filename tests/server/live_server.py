@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 
 import uvicorn
+from fastapi import FastAPI
 
 from robot_sim.world import World
 from server.access.tokens import new_tokens
@@ -52,8 +53,8 @@ def write_walk(path: Path, count: int = COUNT) -> Path:
 
 
 @contextmanager
-def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engine]]:
-    """A server with one bundled recording, ``walk``; gives its URL and its engine."""
+def prepared(folder: Path, **settings_given: object) -> Iterator[tuple[FastAPI, Engine]]:
+    """The application over a running engine, not served yet, with one bundled recording, ``walk``."""
     bundled = folder / "bundled"
     bundled.mkdir()
     write_walk(bundled / "walk.mcap")
@@ -64,11 +65,19 @@ def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engin
     engine = Engine(settings, ready, World(settings.robot), hub)
     engine.start()
     library = Library(folder / "own", bundled, settings.upload.recording_mb * 1_000_000)
-    with socket.socket() as listener:
+    try:
+        yield create_app(engine, hub, library, settings, TOKENS), engine
+    finally:
+        engine.stop()
+
+
+@contextmanager
+def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engine]]:
+    """The same served on a free port; gives its URL and its engine."""
+    with prepared(folder, **settings_given) as (app, engine), socket.socket() as listener:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 16)
         listener.bind(("127.0.0.1", 0))
         listener.listen()
-        app = create_app(engine, hub, library, settings, TOKENS)
         server = uvicorn.Server(uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=1))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()
@@ -77,4 +86,3 @@ def running(folder: Path, **settings_given: object) -> Iterator[tuple[str, Engin
         finally:
             server.should_exit = True
             thread.join(10)
-            engine.stop()
