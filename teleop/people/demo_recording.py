@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 from rich.progress import track
 
+from teleop.config.recording import RecordingConfig
 from teleop.errors import TeleopError
 from teleop.people.story import greenhouse_story
 from teleop.people.truth import truth_row
@@ -31,8 +32,7 @@ def make(output: Path, seed: int, size: str, fps: int, jpeg_quality: int) -> Non
         performance.camera,
         source_uri=source.info.uri,
         metadata=metadata,
-        jpeg_quality=jpeg_quality,
-        compression_level=19,
+        config=RecordingConfig(jpeg_quality=jpeg_quality, compression_level=19),
     )
     truth = output.with_suffix(".truth.jsonl")
     with writer, truth.open("w", encoding="utf-8") as rows:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
+from teleop.config.recording import RecordingConfig
 from teleop.errors import RecordingError
 from teleop.frames import Camera, DepthFrame
 from teleop.recording.fakenect_writer import FakenectWriter
@@ -72,7 +73,8 @@ def open_sink(path: Path, named: Path, source: Source, color: bool) -> FrameSink
     """A sink at ``path`` of the kind that ``named`` asks for."""
     camera: Camera = source.info.camera
     if named.suffix.lower() == ".mcap":
-        return McapWriter(path, camera, source_uri=source.info.uri, color=color)
+        config = RecordingConfig(color=color)
+        return McapWriter(path, camera, source_uri=source.info.uri, color=source.info.has_color, config=config)
     if named.suffix.lower() == ".fakenect":
         return FakenectWriter(path, camera)
     return RgbdFolderWriter(path, camera)

@@ -32,7 +32,7 @@ from teleop.recording.mcap_scan import (
 )
 
 _log = logging.getLogger(__name__)
-_MAX_CHUNK_BYTES = 1 << 30
+_MAX_CHUNK_BYTES = 256 << 20
 _LOOSE = -1
 _DAMAGE = (McapError, zstandard.ZstdError, RuntimeError, ValueError, MemoryError, OverflowError, struct.error)
 """What mcap, zstandard and lz4 raise on damaged bytes."""

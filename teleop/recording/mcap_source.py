@@ -16,8 +16,10 @@ from teleop.errors import FrameError, RecordingError
 from teleop.frames import Camera, ColorImage, DepthFrame, DepthImage, Intrinsics, kinect_v1
 from teleop.recording import topics
 from teleop.recording.mcap_file import McapFile
+from teleop.recording.migrate import migrated
 from teleop.sources.base import SourceInfo
 from teleop.sources.nearest import NearestInTime
+from teleop.sources.picture import decode_image
 
 _log = logging.getLogger(__name__)
 _MAX_SIDE = 16384
@@ -32,8 +34,10 @@ class McapSource:
         self.path = Path(path)
         self.file = McapFile(self.path)
         try:
-            self.metadata = self.file.metadata(topics.METADATA)
-            self._check_format()
+            try:
+                self.metadata = migrated(self.file.metadata(topics.METADATA))
+            except RecordingError as error:
+                raise RecordingError(f"{self.path}: {error}") from None
             if topics.DEPTH not in self.file.topics:
                 raise RecordingError(self._no_depth())
             self._t_ns = self.file.topics[topics.DEPTH].t_ns
@@ -82,14 +86,6 @@ class McapSource:
         """Close the file; safe to call twice."""
         self.file.close()
 
-    def _check_format(self) -> None:
-        version = self.metadata.get(topics.KEY_FORMAT, str(topics.FORMAT_VERSION))
-        if not version.isdigit() or int(version) > topics.FORMAT_VERSION:
-            raise RecordingError(
-                f"{self.path} has format version {version}, this teleop reads up to {topics.FORMAT_VERSION}; "
-                "install a newer teleop"
-            )
-
     def _no_depth(self) -> str:
         if not self.file.topics:
             return f"{self.path} holds no complete chunk of messages"
@@ -110,8 +106,9 @@ class McapSource:
         )
 
     def _camera(self, width: int, height: int) -> Camera:
-        mirrored = self.metadata.get(topics.KEY_MIRRORED, "false") == "true"
-        k = self._intrinsics(topics.DEPTH_INFO)
+        said = self._metadata_camera()
+        depth = said.get("depth")
+        k = self._intrinsics(topics.DEPTH_INFO) if depth is None else self._plain(depth)
         if k is None:
             _log.warning("%s has no %s; taking a Kinect v1's", self.path, topics.DEPTH_INFO)
             k = kinect_v1(width, height)
@@ -119,9 +116,15 @@ class McapSource:
             raise RecordingError(
                 f"{self.path}: depth images are {width}x{height} but camera_info says {k.width}x{k.height}"
             )
-        if topics.KEY_FORMAT in self.metadata:
-            return Camera(k, mirrored, self._metadata_color(), self._metadata_transform())
-        return Camera(k, mirrored, self._intrinsics(topics.COLOR_INFO))
+        if topics.KEY_FORMAT not in self.metadata:
+            return Camera(k, False, self._intrinsics(topics.COLOR_INFO))
+        color = said.get("color")
+        return Camera(
+            k,
+            said.get("mirrored") is True,
+            None if color is None else self._plain(color),
+            self._matrix(said.get("T_color_depth")),
+        )
 
     def _intrinsics(self, topic: str) -> Intrinsics | None:
         if topic not in self.file.topics:
@@ -135,24 +138,32 @@ class McapSource:
         except FrameError as error:
             raise RecordingError(f"{self.path}: {topic}: {error}") from None
 
-    def _metadata_color(self) -> Intrinsics | None:
-        text = self.metadata.get(topics.KEY_COLOR)
-        if text is None:
-            return None
+    def _metadata_camera(self) -> dict[str, Any]:
         try:
-            return Intrinsics(**json.loads(text))
-        except (ValueError, TypeError, FrameError) as error:
-            raise RecordingError(f"{self.path}: metadata '{topics.KEY_COLOR}' is damaged: {error}") from None
+            said = json.loads(self.metadata.get(topics.KEY_CAMERA, "{}"))
+        except ValueError as error:
+            raise self._damaged(error) from None
+        if not isinstance(said, dict):
+            raise self._damaged("it is no object")
+        return said
 
-    def _metadata_transform(self) -> tuple[tuple[float, ...], ...] | None:
-        text = self.metadata.get(topics.KEY_T_COLOR_DEPTH)
-        if text is None:
+    def _plain(self, numbers: Any) -> Intrinsics:
+        try:
+            return Intrinsics(**numbers)
+        except (TypeError, ValueError, FrameError) as error:
+            raise self._damaged(error) from None
+
+    def _matrix(self, rows: Any) -> tuple[tuple[float, ...], ...] | None:
+        if rows is None:
             return None
         try:
-            matrix = np.array(json.loads(text), dtype=np.float64).reshape(4, 4)
+            matrix = np.array(rows, dtype=np.float64).reshape(4, 4)
         except (ValueError, TypeError) as error:
-            raise RecordingError(f"{self.path}: metadata '{topics.KEY_T_COLOR_DEPTH}' is damaged: {error}") from None
+            raise self._damaged(error) from None
         return tuple(tuple(float(x) for x in row) for row in matrix)
+
+    def _damaged(self, why: object) -> RecordingError:
+        return RecordingError(f"{self.path}: metadata '{topics.KEY_CAMERA}' is damaged: {why}")
 
     def _frame(self, number: int, color: _ColorReader) -> DepthFrame:
         t_ns = int(self._t_ns[number])
@@ -201,7 +212,7 @@ class _ColorReader:
     def _decode(self, number: int) -> tuple[ColorImage, bytes | None]:
         message = self._file.message(topics.COLOR, number)
         packed = bytes(getattr(message, "data", b""))
-        image = cv2.imdecode(np.frombuffer(packed, dtype=np.uint8), cv2.IMREAD_COLOR) if packed else None
+        image = decode_image(packed, cv2.IMREAD_COLOR)
         if image is None:
             raise RecordingError(f"{self._file.path}: colour image {number} cannot be decoded")
         rgb = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)

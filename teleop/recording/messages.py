@@ -44,11 +44,11 @@ def timestamp(t_ns: int) -> Timestamp:
     return Timestamp(t_ns // 1_000_000_000, t_ns % 1_000_000_000)
 
 
-def depth_image(frame: DepthFrame) -> RawImage:
+def depth_image(frame: DepthFrame, t_ns: int) -> RawImage:
     """Depth as RawImage 16UC1: little endian, millimetres, rows without padding."""
     height, width = frame.depth_mm.shape
     return RawImage(
-        timestamp=timestamp(frame.t_ns),
+        timestamp=timestamp(t_ns),
         frame_id=topics.DEPTH_FRAME,
         width=width,
         height=height,

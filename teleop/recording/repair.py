@@ -11,12 +11,12 @@ from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
 
+from teleop.config.recording import RecordingConfig
 from teleop.errors import RecordingError
 from teleop.recording.mcap_file import McapFile
 from teleop.recording.mcap_scan import MAGIC
 from teleop.recording.output import is_being_written
 from teleop.recording.seal import seal
-from teleop.recording.writer import CHUNK_BYTES
 
 
 def repair(path: Path) -> int:
@@ -75,7 +75,7 @@ def _has_its_end(path: Path) -> bool:
 def _copy(file: McapFile, output: Path) -> int:
     count = 0
     with output.open("wb") as stream:
-        writer = Writer(stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        writer = Writer(stream, chunk_size=RecordingConfig().chunk_mb << 20, compression=CompressionType.ZSTD)
         writer.start()
         for name, content in file.all_metadata():
             writer.add_metadata(name, content)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Final
 
-FORMAT_VERSION: Final = 1
+FORMAT_VERSION: Final = 2
+"""Older ones are migrated while they are read (teleop.recording.migrate)."""
 
 DEPTH: Final = "/camera/depth/image_raw"
 DEPTH_INFO: Final = "/camera/depth/camera_info"
@@ -32,12 +33,11 @@ METADATA: Final = "teleop"
 """Name of the MCAP metadata record; its keys follow."""
 KEY_FORMAT: Final = "format_version"
 KEY_SOFTWARE: Final = "software_version"
-KEY_MIRRORED: Final = "mirrored"
 KEY_SOURCE: Final = "source"
-KEY_COLOR: Final = "color"
-"""JSON of the colour camera's intrinsics; absent when colour is registered to depth."""
-KEY_T_COLOR_DEPTH: Final = "T_color_depth"
-"""JSON of the 4x4 matrix; absent when it is the identity."""
+KEY_CAMERA: Final = "camera"
+"""JSON of the whole camera (teleop.frames.Camera): depth, mirrored, color, T_color_depth."""
+KEY_COLOR_KEPT: Final = "color_kept"
+"""Whether colour was recorded: "yes", "no" when it was left out for privacy, "none" when the source had none."""
 KEY_SETTINGS: Final = "settings"
 """JSON of the settings that decided what the robot did: engine, teleop, robot."""
 KEY_SEED: Final = "robot_seed"

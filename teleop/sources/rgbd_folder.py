@@ -15,6 +15,7 @@ from teleop.frames import ColorImage, DepthFrame, DepthImage
 from teleop.sources.base import SourceInfo
 from teleop.sources.camera_json import CameraFile, read_camera_json, tum_default
 from teleop.sources.nearest import NearestInTime
+from teleop.sources.picture import read_image
 from teleop.sources.rgbd_list import ImageFile, list_images
 
 _log = logging.getLogger(__name__)
@@ -94,7 +95,7 @@ class RgbdFolderSource:
         if number is None:
             return None
         path = self._color[number].path
-        image = cv2.imread(str(path), cv2.IMREAD_COLOR)
+        image = read_image(path, cv2.IMREAD_COLOR)
         if image is None:
             raise SourceError(f"{path} cannot be read as an image; it is damaged, restore it or take it out of rgb.txt")
         return cv2.cvtColor(image, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
@@ -106,7 +107,7 @@ def _times(images: list[ImageFile]) -> npt.NDArray[np.int64]:
 
 def _read_png(path: Path) -> DepthImage:
     """A 16-bit one-channel PNG as it is. Raises SourceError."""
-    image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    image = read_image(path, cv2.IMREAD_UNCHANGED)
     if image is None:
         raise SourceError(f"{path} cannot be read as a PNG; it is damaged, restore it or take it out of depth.txt")
     if image.dtype != np.uint16 or image.ndim != 2:

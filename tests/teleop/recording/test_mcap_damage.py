@@ -99,7 +99,7 @@ def test_a_killed_recording_is_made_whole(whole: bytes, tmp_path: Path) -> None:
     saved = repair(path)
     source = McapSource(path)
     assert source.truncated is None
-    assert source.metadata["format_version"] == "1"
+    assert source.metadata["format_version"] == "2"
     assert len(list(source.rows(topics.TRACK))) == rows
     for first, second in zip(before, source.frames(), strict=True):
         assert first.t_ns == second.t_ns

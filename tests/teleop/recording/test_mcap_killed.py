@@ -51,10 +51,7 @@ def test_at_most_a_second_is_lost_and_other_readers_open_it(
     host: subprocess.Popen[str], tmp_path: Path, seed: int
 ) -> None:
     path = tmp_path / "killed.mcap"
-    first_ns = frames(1)[0].t_ns
     last_ns = killed(host, path, random.Random(seed))
-    if last_ns - first_ns < 600_000_000:
-        pytest.skip("killed before the first half second was on the disk")
     source = McapSource(path)
     read = list(source.frames())
     rows = [t for t, _ in source.rows(topics.TRACK)]

@@ -17,6 +17,7 @@ from recording_frames import PERIOD_NS, camera, frames
 
 from robot_sim.commands import Liquid
 from robot_sim.state import RobotState
+from teleop.config.recording import RecordingConfig
 from teleop.errors import RecordingError
 from teleop.frames import Camera, DepthFrame, Intrinsics
 from teleop.intent_types import Event
@@ -80,10 +81,12 @@ def test_colour_registered_or_with_its_own_camera(tmp_path: Path) -> None:
 
 
 def test_colour_can_be_left_out(tmp_path: Path) -> None:
-    with McapWriter(tmp_path / "a.mcap", camera(), source_uri="x", color=False) as writer:
+    config = RecordingConfig(color=False)
+    with McapWriter(tmp_path / "a.mcap", camera(), source_uri="x", config=config) as writer:
         for frame in frames(3, color=True):
             writer.write_frame(frame)
     source = McapSource(tmp_path / "a.mcap")
+    assert source.metadata["color_kept"] == "no"
     assert not source.info.has_color
     assert topics.COLOR not in source.file.topics
     assert all(frame.color_rgb is None for frame in source.frames())
@@ -155,12 +158,8 @@ def test_the_mcap_package_decodes_every_topic(tmp_path: Path) -> None:
         "/teleop/inputs": "teleop.Input",
     }
     teleop = metadata["teleop"]
-    assert (teleop["format_version"], teleop["mirrored"], teleop["source"], teleop["seed"]) == (
-        "1",
-        "false",
-        "virtual:",
-        "7",
-    )
+    assert (teleop["format_version"], teleop["source"], teleop["seed"]) == ("2", "virtual:", "7")
+    assert json.loads(teleop["camera"])["depth"]["fx"] == 57.1 and teleop["color_kept"] == "yes"
     assert teleop["software_version"]
 
     for (t_ns, image), frame in zip(messages[topics.DEPTH], written, strict=True):
@@ -229,33 +228,6 @@ def test_opening_for_writing_can_fail(tmp_path: Path) -> None:
         McapWriter(tmp_path / "nowhere" / "a.mcap", camera(), source_uri="x")
     with pytest.raises(RecordingError, match="well-formed"):
         McapWriter(tmp_path / "b.mcap", camera(), source_uri="x", urdf="<robot")
-    with pytest.raises(RecordingError, match="mirrored"):
-        McapWriter(tmp_path / "c.mcap", camera(), source_uri="x", metadata={"mirrored": "no"})
+    with pytest.raises(RecordingError, match="camera"):
+        McapWriter(tmp_path / "c.mcap", camera(), source_uri="x", metadata={"camera": "no"})
     assert not (tmp_path / "b.mcap").exists()
-
-
-def test_a_full_disk_is_an_error_and_what_was_written_opens(tmp_path: Path) -> None:
-    path = tmp_path / "a.mcap"
-    writer = McapWriter(path, camera(), source_uri="x")
-    for frame in frames(40):
-        writer.write_frame(frame)
-    writer.flush()
-
-    class FullDisk:
-        def write(self, data: bytes) -> int:
-            raise OSError(28, "No space left on device")
-
-        def __getattr__(self, name: str) -> object:
-            return getattr(real, name)
-
-    real = writer._file._file
-    writer._file._file = FullDisk()  # type: ignore[assignment]
-    with pytest.raises(RecordingError, match="No space left on device"):
-        for frame in frames(400)[40:]:
-            writer.write_frame(frame)
-    with pytest.raises(RecordingError, match="No space left"):
-        writer.close()
-    source = McapSource(path)
-    assert source.truncated is not None
-    assert source.info.frame_count == 40
-    assert len(list(source.frames())) == 40
