@@ -167,16 +167,43 @@ class SprayConfig(RobotSection):
     """Three-channel sprayer: one liquid at a time through its nozzle."""
 
     tank_l: float = Field(default=4.0, gt=0.0, le=50.0, description="content of one full tank [l]")
-    flow_l_s: float = Field(default=0.015, gt=0.0, le=1.0, description="flow of one nozzle [l/s]; full cone at 3 bar")
-    cone_rad: float = Field(default=0.60, ge=0.02, le=1.3, description="half the opening angle of the cone [rad]")
-    range_m: float = Field(default=1.2, ge=0.1, le=5.0, description="how far droplets carry [m]")
-    parcels_1_s: float = Field(default=1200.0, ge=10.0, le=20000.0, description="parcels of droplets simulated [1/s]")
-    parcel_m2: float = Field(
-        default=6.0e-4,
+    flow_l_s: float = Field(
+        default=0.04,
         gt=0.0,
-        le=0.1,
-        description="leaf area that one parcel wets [m2]; choice: 0.1 l wet a square metre",
+        le=1.0,
+        description="flow of one nozzle [l/s]; source: ISO 10625 size 06, 2.4 l/min at 3 bar",
     )
+    cone_rad: float = Field(
+        default=1.05,
+        ge=0.02,
+        le=1.3,
+        description="half the opening angle of the cone [rad]; source: wide-angle full-cone nozzles, 120 deg of the "
+        "15..125 deg makers offer; the nozzle passes 0.3 m before the leaves",
+    )
+    range_m: float = Field(default=1.2, ge=0.1, le=5.0, description="how far droplets carry [m]")
+    droplet_um: float = Field(
+        default=180.0,
+        ge=20.0,
+        le=1000.0,
+        description="volume median diameter of a droplet [um]; source: ISO 25358 class fine, 150..250 um",
+    )
+    spread_factor: float = Field(
+        default=2.5,
+        ge=1.0,
+        le=6.0,
+        description="diameter of a droplet's spot on the leaf over its own [1]; choice: about 2 for water on a "
+        "wettable leaf, more with a wetting agent",
+    )
+    parcels_1_s: float = Field(default=1200.0, ge=10.0, le=20000.0, description="parcels of droplets simulated [1/s]")
+
+    @property
+    def parcel_m2(self) -> float:
+        """Leaf area that one parcel of droplets wets [m2].
+
+        A litre of droplets of diameter d that spread to s d covers (pi/4 s^2 d^2) / (pi/6 d^3) = 1.5 s^2 / d.
+        """
+        litre_m2 = 1e-3 * 1.5 * self.spread_factor**2 / (1e-6 * self.droplet_um)
+        return litre_m2 * self.flow_l_s / self.parcels_1_s
 
 
 class GreenhouseConfig(RobotSection):
@@ -202,6 +229,29 @@ class GreenhouseConfig(RobotSection):
     )
 
 
+class ClearanceConfig(RobotSection):
+    """How near arms, tools and trunk may come; collision shapes as capsules."""
+
+    arm_gap_m: float = Field(
+        default=0.015, ge=0.0, le=0.3, description="between two arms with their tools [m]; choice: servo error at speed"
+    )
+    body_gap_m: float = Field(
+        default=0.005, ge=0.0, le=0.3, description="between forearm or tool and the trunk [m]; choice: servo error"
+    )
+    reach_m: float = Field(
+        default=1.05, ge=0.3, le=3.0, description="tools stay this near the disc's axis [m]; choice: row plus 0.2 m"
+    )
+    low_m: float = Field(
+        default=-0.55,
+        ge=-3.0,
+        le=0.5,
+        description="lowest point of a tool over the disc [m]; choice: clear of the deck",
+    )
+    high_m: float = Field(
+        default=1.15, ge=0.1, le=3.0, description="highest point of a tool over the disc [m]; choice: below the lamps"
+    )
+
+
 class RobotConfig(RobotSection):
     """Everything about the robot that can be changed without changing code."""
 
@@ -211,6 +261,7 @@ class RobotConfig(RobotSection):
     tool: ToolConfig = Field(default_factory=ToolConfig)
     spray: SprayConfig = Field(default_factory=SprayConfig)
     greenhouse: GreenhouseConfig = Field(default_factory=GreenhouseConfig)
+    clearance: ClearanceConfig = Field(default_factory=ClearanceConfig)
     position_gain: float = Field(
         default=0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick"
     )

@@ -69,7 +69,8 @@ def grow(
         size = float((0.26 if crop == "cucumber" else 0.20) * rng.uniform(0.75, 1.1))
         reach = 0.06 + 0.45 * size
         at = (float(x_m + reach * np.cos(yaw)), float(y0 + 0.75 * reach * np.sin(yaw)), float(up))
-        droop = float(rng.uniform(0.25, 0.75))
+        # a cucumber's large leaves hang, a tomato's stand out
+        droop = float(rng.uniform(0.55, 1.1) if crop == "cucumber" else rng.uniform(0.25, 0.75))
         colour = LEAVES[int(rng.integers(len(LEAVES)))]
         parts += _leaf(f"{name}_leaf_{k}", at, size, droop, yaw, crop == "cucumber", colour)
     fruits = []

@@ -102,11 +102,14 @@ def spray(
 
 
 def cone(n: int, half_angle_rad: float, rng: np.random.Generator) -> F64:
-    """(n, 3) unit vectors evenly spread over a full cone about -z."""
-    down = 1.0 - rng.random(n) * (1.0 - np.cos(half_angle_rad))
+    """(n, 3) unit vectors of a full cone about -z, evenly spread over a plane across it.
+
+    Full-cone nozzles are built for an even distribution over the circle they wet, not over the solid angle.
+    """
+    radius = np.tan(half_angle_rad) * np.sqrt(rng.random(n))
     azimuth = 2.0 * np.pi * rng.random(n)
-    flat = np.sqrt(1.0 - down**2)
-    return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), -down], axis=1)
+    rays = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(n, -1.0)], axis=1)
+    return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
 
 
 def first_leaf(leaves: Canopy, origin_m: F64, directions: F64, range_m: float) -> I64:
