@@ -5,8 +5,10 @@ Workers need the same software as the caller, which is checked, and see files un
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 from teleop.errors import TeleopError
 from teleop.parallel.outcome import Outcome, WorkerLost, attempt
@@ -30,11 +32,12 @@ class DaskPool:
         except ImportError as error:
             raise TeleopError(f"--scheduler needs Dask ({error}); pip install 'greenhouse-teleop[cluster]'") from None
         try:
+            _knock(address)
             self._client: Any = Client(address, timeout=_CONNECT_S, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
+        except (OSError, ValueError) as error:
             raise TeleopError(
                 f"no Dask scheduler at {address} ({_line(error)}); start one with 'dask scheduler', "
-                "then 'dask worker ADDRESS' on each machine"
+                "then 'dask worker ADDRESS' on each machine, and give its address as tcp://host:8786"
             ) from None
         try:
             self._require_like_workers(address, software)
@@ -76,6 +79,14 @@ class DaskPool:
         unlike = sorted(worker for worker, version in theirs.items() if version != ours)
         if unlike:
             raise TeleopError(f"worker {unlike[0]} runs another version of this software; install the same one there")
+
+
+def _knock(address: str) -> None:
+    """See that somebody listens there: Dask's client, made in vain, takes long and complains when it is dropped."""
+    url = urlsplit(address)
+    if url.scheme not in ("tcp", "tls") or not url.hostname or not url.port:
+        raise ValueError("not an address of the form tcp://host:port")
+    socket.create_connection((url.hostname, url.port), _CONNECT_S).close()
 
 
 def _outcome(future: Any, number: int, task: Any) -> Outcome[Any, Any]:

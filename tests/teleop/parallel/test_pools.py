@@ -104,7 +104,7 @@ def test_a_scheduler_that_cannot_be_used_is_said(scheduler: str, monkeypatch: py
     ):
         pass
     monkeypatch.setattr("teleop.parallel.cluster._CONNECT_S", 0.5)
-    for address in ("tcp://127.0.0.1:9", "nowhere", "xyz://a:1"):
+    for address in ("tcp://127.0.0.1:9", "nowhere", "xyz://a:1", "tcp://127.0.0.1:99999"):
         with pytest.raises(TeleopError, match="no Dask scheduler at"), open_pool(None, address, tasks.version_one):
             pass
 
