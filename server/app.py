@@ -37,6 +37,7 @@ from server.engine.engine import Engine
 from server.jobs import Jobs
 from server.library import Library
 from server.loop_lag import LoopLag
+from server.reload import Read
 from server.settings import Settings
 from server.stream.hub import Hub
 from teleop.software import software_version
@@ -49,8 +50,13 @@ _NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>gree
 <p>The API works already: <a href="/docs">/docs</a>, <a href="/api/v1/state">/api/v1/state</a>.</p></body></html>"""
 
 
-def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, tokens: Tokens) -> FastAPI:
-    """The application around a running engine. It binds the hub to its event loop; it does not stop the engine."""
+def create_app(
+    engine: Engine, hub: Hub, library: Library, settings: Settings, tokens: Tokens, read: Read | None = None
+) -> FastAPI:
+    """The application around a running engine. It binds the hub to its event loop; it does not stop the engine.
+
+    read: reads the settings again for a reload; by default they stay what they are.
+    """
     desk = Desk(tokens, settings.access, settings.port, engine.publisher.announce, engine.audit)
     jobs_kept = Jobs()
     lag = LoopLag()
@@ -77,7 +83,7 @@ def create_app(engine: Engine, hub: Hub, library: Library, settings: Settings, t
         docs_url=None,
         redoc_url=None,
     )
-    app.state.desk, app.state.jobs = desk, jobs_kept
+    app.state.desk, app.state.jobs, app.state.read = desk, jobs_kept, read or (lambda: settings)
     app.state.engine, app.state.hub, app.state.library = engine, hub, library
     app.state.studies = settings.studies
     problems.install(app)

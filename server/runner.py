@@ -12,7 +12,9 @@ from collections.abc import Callable, Mapping
 import uvicorn
 
 from server.errors import ServerError
+from server.reload import Read
 from server.settings import Settings
+from server.web_server import StoppingServer
 
 _log = logging.getLogger(__name__)
 Tell = Callable[[str], None]
@@ -62,11 +64,12 @@ def check_tls(settings: Settings) -> None:
         ) from None
 
 
-def serve(settings: Settings, listener: socket.socket, tell: Tell, show: Show, *, new_tokens: bool = False) -> None:
+def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_tokens: bool = False) -> None:
     """Load, run until Ctrl-C or SIGTERM, shut down. Raises TeleopError when the source or the model is wrong.
 
-    show: called once with the tokens by role when they were just made.
+    read: the settings, now and for a reload. show: called once with the tokens by role when they were just made.
     """
+    settings = read()
     tell("loading")
     from server.quiet import quiet_output
 
@@ -103,11 +106,12 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell, show: Show, *
         if settings.source and not waits_for_sender:
             tell("compiling kernels (a minute the first time)")
             open_path(engine, library, settings.source, loop=settings.loop, record=settings.record)
-        app = create_app(engine, hub, library, settings, tokens)
+        app = create_app(engine, hub, library, settings, tokens, read)
         config = uvicorn.Config(
             app,
-            log_level="warning",
+            log_config=None,  # server.logs
             access_log=False,
+            ws_per_message_deflate=False,  # pictures are compressed already, and states take longer to than to send
             ws_max_size=settings.upload.frame_kb * 1000,
             timeout_graceful_shutdown=2,
             lifespan="on",
@@ -119,8 +123,10 @@ def serve(settings: Settings, listener: socket.socket, tell: Tell, show: Show, *
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: None)
         tell("")
+        _log.info("serving", extra={"host": settings.host, "port": settings.port, "source": settings.source})
         if shown:
             show({role.label: token for role, token in shown.items()})
-        uvicorn.Server(config).run(sockets=[listener])
+        StoppingServer(config, engine, read).run(sockets=[listener])
     finally:
         engine.stop()
+        _log.info("stopped")

@@ -138,6 +138,9 @@ class Settings(Section):
     allowed_origins: tuple[str, ...] = Field(
         default=(), description="web origins beside the server's own that may connect"
     )
+    log_format: Literal["text", "json"] = Field(
+        default="text", description="text: warnings for people; json: one object a line with everything that happens"
+    )
     stream: StreamConfig = Field(default_factory=StreamConfig)
     engine: LoopConfig = Field(default_factory=LoopConfig)
     upload: UploadConfig = Field(default_factory=UploadConfig)

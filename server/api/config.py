@@ -6,14 +6,13 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Body
 
-from server.api.deps import EngineDep, done
+from server.api.deps import EngineDep, ReadDep, done
 from server.api.problems import documented
 from server.errors import Refused
+from server.reload import LIVE, Reloaded, reload
 from server.settings import Settings, changed
 
 router = APIRouter(tags=["configuration"])
-LIVE = "teleop"
-"""The only part that can change while the server runs; the rest is read at its start."""
 
 
 @router.get("/config")
@@ -38,6 +37,12 @@ async def change_config(
 ) -> Settings:
     """Lay a partial tree over the settings; all of it or, when anything is refused, nothing. Arms hold meanwhile."""
     return await done(engine.configure(lambda now: _laid_over(now, patch)))
+
+
+@router.post("/config/reload", responses=documented(422, 503))
+async def reload_config(engine: EngineDep, read: ReadDep) -> Reloaded:
+    """Read file, environment and flags again, as SIGHUP does; what was changed over the API since is undone."""
+    return await done(reload(engine, read))
 
 
 def _laid_over(now: Settings, patch: dict[str, Any]) -> Settings:

@@ -15,6 +15,7 @@ from server.engine.engine import CALL_TIMEOUT_S, Engine
 from server.errors import Refused
 from server.jobs import Jobs
 from server.library import Library
+from server.reload import Read
 from server.stream.hub import Hub
 
 T = TypeVar("T")
@@ -33,6 +34,11 @@ def _hub(connection: HTTPConnection) -> Hub:
 def _library(connection: HTTPConnection) -> Library:
     library: Library = connection.app.state.library
     return library
+
+
+def _read(connection: HTTPConnection) -> Read:
+    read: Read = connection.app.state.read
+    return read
 
 
 def _jobs(connection: HTTPConnection) -> Jobs:
@@ -60,6 +66,7 @@ def _known_caller(connection: HTTPConnection) -> Caller:
 EngineDep = Annotated[Engine, Depends(_engine)]
 HubDep = Annotated[Hub, Depends(_hub)]
 LibraryDep = Annotated[Library, Depends(_library)]
+ReadDep = Annotated[Read, Depends(_read)]
 JobsDep = Annotated[Jobs, Depends(_jobs)]
 DeskDep = Annotated[Desk, Depends(_desk)]
 OptionalCallerDep = Annotated[Caller | None, Depends(_caller)]

@@ -21,20 +21,26 @@ def serve(
         bool, typer.Option("--new-tokens", help="Make new tokens for the three roles; the old ones and logins end.")
     ] = False,
     operator: Annotated[str | None, typer.Option(help="Profile of who drives; see 'teleop operators'.")] = None,
+    log_format: Annotated[str | None, typer.Option(help="text, or json: one object a line. [default: text]")] = None,
     config: Annotated[Path | None, typer.Option(help="TOML file with settings.", metavar="FILE")] = None,
 ) -> None:
     """Serve the operator console and the API, and move the robot."""
     from rich.console import Console
 
+    from server.logs import set_up_logs
     from server.runner import check_tls, listen
     from server.runner import serve as run
-    from server.settings import load_settings, with_operator
+    from server.settings import Settings, load_settings, with_operator
 
     flags: dict[str, object] = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
-    flags |= {"tls_cert": tls_cert, "tls_key": tls_key}
-    settings = load_settings(config, flags)
-    if operator is not None:
-        settings = with_operator(settings, operator)
+    flags |= {"tls_cert": tls_cert, "tls_key": tls_key, "log_format": log_format}
+
+    def read() -> Settings:
+        settings = load_settings(config, flags)
+        return settings if operator is None else with_operator(settings, operator)
+
+    settings = read()
+    set_up_logs(settings.log_format)
     out = Console(highlight=False)
     errors = Console(stderr=True, highlight=False)
     check_tls(settings)
@@ -62,5 +68,5 @@ def serve(
             for role, token in tokens.items():
                 out.print(f"  {role:<10} {token}", soft_wrap=True)
 
-        run(settings, listener, tell, show, new_tokens=new_tokens)
+        run(read, listener, tell, show, new_tokens=new_tokens)
     out.print("stopped")
