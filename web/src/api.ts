@@ -1,9 +1,14 @@
 /** Actions over REST. Every refusal reaches the operator in words. */
 
+import { clientKey } from "./client";
+import type { Json, Schema } from "./settings/schema";
+import type { Access } from "./wire";
+
 export interface Recording {
   id: string;
   name: string;
   uri: string;
+  bundled: boolean;
   size_bytes: number;
   duration_s: number | null;
 }
@@ -13,38 +18,72 @@ export interface RobotRequest {
   disc_rad?: number;
 }
 
-/** A request that the server refused or did not answer. */
-export class RequestError extends Error {}
+export interface SessionRequest {
+  source: string;
+  loop: boolean;
+  record: boolean;
+}
+
+export type LeaseAction = "request" | "release" | "take";
+
+/** A request that the server refused or did not answer. status: of HTTP, 0 without an answer. */
+export class RequestError extends Error {
+  constructor(
+    message: string,
+    readonly status: number,
+  ) {
+    super(message);
+  }
+}
 
 const ROOT = "/api/v1";
 const TIMEOUT_MS = 5_000;
-const UPLOAD_TIMEOUT_MS = 300_000;
+const OPEN_TIMEOUT_MS = 30_000;
+const KEY_HEADER = "X-Teleop-Client";
 
-function encoded(body: unknown): RequestInit {
-  if (body === undefined) return {};
-  if (body instanceof FormData) return { body };
-  return { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+/** What a problem-details answer says. */
+function problemText(answer: unknown, otherwise: string): string {
+  const problem = answer as { detail?: unknown; title?: unknown } | null;
+  const detail = problem?.detail ?? problem?.title ?? otherwise;
+  return typeof detail === "string" ? detail : JSON.stringify(detail);
 }
 
-async function request(method: string, path: string, body?: unknown, timeout_ms = TIMEOUT_MS): Promise<unknown> {
+export async function request(method: string, path: string, body?: unknown, timeout_ms = TIMEOUT_MS): Promise<unknown> {
+  const headers: Record<string, string> = { [KEY_HEADER]: clientKey };
+  if (body !== undefined) headers["Content-Type"] = "application/json";
+  const init: RequestInit = { method, headers, signal: AbortSignal.timeout(timeout_ms) };
+  if (body !== undefined) init.body = JSON.stringify(body);
   let response: Response;
   try {
-    response = await fetch(ROOT + path, {
-      method,
-      signal: AbortSignal.timeout(timeout_ms),
-      ...encoded(body),
-    });
+    response = await fetch(ROOT + path, init);
   } catch (cause) {
-    throw new RequestError(cause instanceof Error ? cause.message : String(cause));
+    throw new RequestError(cause instanceof Error ? cause.message : String(cause), 0);
   }
   const type = response.headers.get("Content-Type") ?? "";
   const answer: unknown = type.includes("json") ? await response.json() : null;
-  if (!response.ok) {
-    const problem = answer as { detail?: unknown; title?: unknown } | null;
-    const detail = problem?.detail ?? problem?.title ?? response.statusText;
-    throw new RequestError(typeof detail === "string" ? detail : JSON.stringify(detail));
-  }
+  if (!response.ok) throw new RequestError(problemText(answer, response.statusText), response.status);
   return answer;
+}
+
+/** Sends a file and tells how much of it is on its way, 0..1; fetch cannot tell that. */
+function upload(file: File, progress: (share: number) => void): Promise<Recording> {
+  return new Promise((resolve, reject) => {
+    const form = new FormData();
+    form.append("file", file);
+    const sending = new XMLHttpRequest();
+    sending.open("POST", `${ROOT}/recordings`);
+    sending.setRequestHeader(KEY_HEADER, clientKey);
+    sending.responseType = "json";
+    sending.upload.addEventListener("progress", (event) => {
+      if (event.lengthComputable) progress(event.loaded / event.total);
+    });
+    sending.addEventListener("load", () => {
+      if (sending.status < 300) resolve(sending.response as Recording);
+      else reject(new RequestError(problemText(sending.response, sending.statusText), sending.status));
+    });
+    sending.addEventListener("error", () => reject(new RequestError("the connection broke", 0)));
+    sending.send(form);
+  });
 }
 
 export const api = {
@@ -58,11 +97,16 @@ export const api = {
   speed: (speed: number) => request("POST", "/replay/speed", { speed }),
   loop: (loop: boolean) => request("POST", "/replay/loop", { loop }),
   robot: (command: RobotRequest) => request("POST", "/robot/command", command),
-  openSession: (source: string, loop: boolean) => request("POST", "/sessions", { source, loop, record: false }, 30_000),
-  upload: (file: File) => {
-    const form = new FormData();
-    form.append("file", file);
-    return request("POST", "/recordings", form, UPLOAD_TIMEOUT_MS);
-  },
+  openSession: (session: SessionRequest) => request("POST", "/sessions", session, OPEN_TIMEOUT_MS),
+  upload,
   recordings: async () => (await request("GET", "/recordings")) as Recording[],
+  deleteRecording: (id: string) => request("DELETE", `/recordings/${encodeURIComponent(id)}`),
+  config: async () => (await request("GET", "/config")) as Json,
+  configSchema: async () => (await request("GET", "/config/schema")) as Schema,
+  changeConfig: async (patch: Json) => (await request("PATCH", "/config", patch, 2 * TIMEOUT_MS)) as Json,
+  access: async () => (await request("GET", "/access")) as Access,
+  login: async (token: string) => (await request("POST", "/login", { token })) as Access,
+  logout: () => request("POST", "/logout"),
+  lease: (action: LeaseAction) => request("POST", `/lease/${action}`),
+  decide: (decision: "grant" | "deny", to: string) => request("POST", `/lease/${decision}`, { to }),
 };

@@ -1,12 +1,15 @@
-/** The websocket to the server: decodes messages, reconnects by itself, reports when what is shown is old. */
+/** The websocket to the server: decodes messages, reconnects and resumes by itself, reports when what is shown is old. */
 
+import { clientKey } from "./client";
 import type { ClientMessage, ServerMessage } from "./wire";
 
-export type Link = "connecting" | "open" | "stale" | "lost";
+/** locked: the server wants a token first. */
+export type Link = "connecting" | "open" | "stale" | "lost" | "locked";
 
 export interface Handlers {
-  message(message: ServerMessage): void;
-  image(kind: number, jpeg: Blob): void;
+  /** received_ms: when the message came, by performance.now(). */
+  message(message: ServerMessage, received_ms: number): void;
+  image(kind: number, picture: Blob): void;
   link(link: Link): void;
 }
 
@@ -15,12 +18,16 @@ const GIVE_UP_AFTER_MS = 6_000;
 const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 3_000;
 const HEADER_BYTES = 16;
+const NO_CREDENTIAL = 4401;
 
 export class Connection {
   private socket: WebSocket | null = null;
   private link: Link = "connecting";
   private heard_ms = 0;
   private retry_ms = FIRST_RETRY_MS;
+  /** What was seen last; the server then tells only what was missed. */
+  private boot = "";
+  private event_id = 0;
 
   constructor(
     private readonly url: string,
@@ -30,16 +37,33 @@ export class Connection {
   }
 
   open(): void {
-    const socket = new WebSocket(this.url);
+    const address = new URL(this.url);
+    address.searchParams.set("client", clientKey);
+    if (this.boot && this.event_id > 0) {
+      address.searchParams.set("boot", this.boot);
+      address.searchParams.set("after", String(this.event_id));
+    }
+    const socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.heard_ms = performance.now();
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
       if (socket === this.socket) this.receive(event.data);
     };
-    socket.onclose = () => {
-      if (socket === this.socket) this.retry();
+    socket.onclose = (event) => {
+      if (socket !== this.socket) return;
+      if (event.code === NO_CREDENTIAL) this.lock();
+      else this.retry();
     };
+  }
+
+  /** Connects anew with what the browser has to show now (after a login or logout). */
+  reopen(): void {
+    const old = this.socket;
+    this.socket = null;
+    old?.close();
+    this.report("connecting");
+    this.open();
   }
 
   send(message: ClientMessage): void {
@@ -47,25 +71,39 @@ export class Connection {
   }
 
   private receive(data: string | ArrayBuffer): void {
-    this.heard_ms = performance.now();
+    const now_ms = performance.now();
+    this.heard_ms = now_ms;
     this.retry_ms = FIRST_RETRY_MS;
     if (typeof data === "string") {
-      this.handlers.message(JSON.parse(data) as ServerMessage);
+      const message = JSON.parse(data) as ServerMessage;
+      if (message.type === "hello") this.greet(message.boot);
+      if (message.type === "event") this.event_id = Math.max(this.event_id, message.id);
+      this.handlers.message(message, now_ms);
       this.report("open");
       return;
     }
     if (data.byteLength <= HEADER_BYTES) return;
     const header = new Uint8Array(data, 0, HEADER_BYTES);
     if (header[0] !== 0x47 || header[1] !== 0x54) return; // "GT"
-    this.handlers.image(header[2] ?? 0, new Blob([new Uint8Array(data, HEADER_BYTES)], { type: "image/jpeg" }));
+    this.handlers.image(header[2] ?? 0, new Blob([new Uint8Array(data, HEADER_BYTES)]));
+  }
+
+  private greet(boot: string): void {
+    if (boot !== this.boot) this.event_id = 0; // the server counts anew
+    this.boot = boot;
   }
 
   /** A connection that is open but silent is as good as lost: the picture is old. */
   private watch(): void {
-    if (this.link === "lost" || !this.socket || document.hidden) return;
+    if (this.link === "lost" || this.link === "locked" || !this.socket || document.hidden) return;
     const silent_ms = performance.now() - this.heard_ms;
     if (silent_ms > GIVE_UP_AFTER_MS) this.retry();
     else if (silent_ms > STALE_AFTER_MS && this.link === "open") this.report("stale");
+  }
+
+  private lock(): void {
+    this.socket = null;
+    this.report("locked");
   }
 
   private retry(): void {
@@ -73,7 +111,9 @@ export class Connection {
     this.socket = null;
     old?.close();
     this.report("lost");
-    window.setTimeout(() => this.open(), this.retry_ms);
+    window.setTimeout(() => {
+      if (!this.socket && this.link !== "locked") this.open();
+    }, this.retry_ms);
     this.retry_ms = Math.min(this.retry_ms * 2, LONGEST_RETRY_MS);
   }
 

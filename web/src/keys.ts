@@ -14,6 +14,7 @@ export function listen(stop: () => void, shortcuts: Shortcuts): void {
       }
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       const target = event.target as HTMLElement;
+      if (target.matches("textarea, input:not([type=range], [type=checkbox])")) return; // letters belong there
       const arrows = event.key.startsWith("Arrow");
       if (arrows && target.matches("input, select, .events")) return;
       const key = event.shiftKey && event.key.length === 1 ? `Shift+${event.key.toUpperCase()}` : event.key.toLowerCase();

@@ -10,6 +10,8 @@ import "./styles/person.css";
 import "./styles/tools.css";
 import "./styles/replay.css";
 import "./styles/measures.css";
+import "./styles/sheets.css";
+import "./styles/far.css";
 import "./styles/small.css";
 import { act, emergencyStop, noticeBoard, notify } from "./act";
 import { api } from "./api";
@@ -25,6 +27,7 @@ import { Banner } from "./panels/banner";
 import { CameraPanel } from "./panels/camera";
 import { EventsPanel } from "./panels/events";
 import { FloorPanel } from "./panels/floor";
+import { AccessPanel } from "./panels/access";
 import { helpSheet } from "./panels/help";
 import { LatencyPanel } from "./panels/latency";
 import { LegsPanel } from "./panels/legs";
@@ -34,12 +37,19 @@ import { ReplayPanel } from "./panels/replay";
 import { ScenePanel } from "./panels/scene";
 import { ToolsPanel } from "./panels/tools";
 import { prefs, savePrefs } from "./prefs";
+import { SettingsSheet } from "./settings/sheet";
 import { Sounds } from "./sounds";
+import { WhatIf } from "./whatif";
+import { Wizard } from "./calibration/wizard";
 import type { ServerMessage, State } from "./wire";
 import { WIRE_VERSION } from "./words";
 
 const sounds = new Sounds();
-const recordings = new RecordingsSheet();
+const settings = new SettingsSheet();
+const whatIf = new WhatIf(settings);
+const recordings = new RecordingsSheet((recording) => whatIf.ask(recording));
+const wizard = new Wizard();
+const access = new AccessPanel(() => connection.reopen());
 const help = helpSheet();
 const gone = h("div", { class: "gone", hidden: true, role: "alert" }, translated(h("h2"), "gone.title"), translated(h("p"), "gone.text"));
 
@@ -49,8 +59,15 @@ const soundIcon = icon("mute");
 const soundButton = titled(h("button", { class: "chip", type: "button" }, soundIcon), "button.sound");
 const helpButton = titled(h("button", { class: "chip", type: "button" }, icon("help")), "button.help");
 
-const banner = new Banner(h("div", { class: "side-tools" }, languageButton, themeButton, soundButton, helpButton));
-const camera = new CameraPanel((image, head) => connection.send({ type: "view", image, head }));
+const farButton = titled(h("button", { class: "chip", type: "button" }, icon("far")), "button.far");
+const settingsButton = titled(h("button", { class: "chip", type: "button" }, icon("settings")), "button.settings");
+const wizardButton = titled(h("button", { class: "chip", type: "button", "data-commands": true }, icon("ruler")), "button.calibrate");
+
+const banner = new Banner(
+  h("div", { class: "side-tools" }, wizardButton, settingsButton, access.button, farButton, languageButton, themeButton, soundButton, helpButton),
+  access.element,
+);
+const camera = new CameraPanel((view) => connection.send(view));
 const scene = new ScenePanel();
 const replay = new ReplayPanel(recordings);
 const floor = new FloorPanel();
@@ -61,24 +78,31 @@ const plots = new PlotsPanel();
 const latency = new LatencyPanel();
 const events = new EventsPanel();
 /** In the order they are painted: what the operator steers by comes first. */
-const panels: readonly Panel[] = [camera, banner, floor, scene, arms, legs, tools, replay, latency, plots, events];
+const panels: readonly Panel[] = [camera, banner, floor, scene, arms, legs, tools, replay, latency, plots, events, wizard];
 
 const painter = new Painter(
   (state: State, now_ms: number) => {
     for (const panel of panels) panel.state?.(state, now_ms);
   },
-  (seq) => connection.send({ type: "painted", seq }),
+  (seq, paint_ms) => connection.send({ type: "painted", seq, paint_ms }),
 );
 
-function receive(message: ServerMessage): void {
+function receive(message: ServerMessage, received_ms: number): void {
   switch (message.type) {
     case "hello":
       if (message.version !== WIRE_VERSION) notify(t("notice.version"));
+      if (message.missed_events > 0) notify(t("notice.missed", { count: message.missed_events }));
       for (const panel of panels) panel.hello?.(message);
       break;
     case "state":
       sounds.state(message);
-      painter.show(message);
+      painter.show(message, received_ms);
+      break;
+    case "access":
+      access.set(message);
+      break;
+    case "coverage":
+      scene.coverage(message);
       break;
     case "event":
       for (const panel of panels) panel.event?.(message);
@@ -91,7 +115,8 @@ function receive(message: ServerMessage): void {
 
 function showLink(link: Link): void {
   banner.showLink(link);
-  gone.hidden = link === "open" || link === "connecting";
+  access.link(link);
+  gone.hidden = link === "open" || link === "connecting" || link === "locked";
   document.body.classList.toggle("old", link !== "open");
 }
 
@@ -99,7 +124,7 @@ const address = new URL("/api/v1/stream", location.href);
 address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
 const connection = new Connection(address.href, {
   message: receive,
-  image: (kind, jpeg) => void camera.image(kind, jpeg),
+  image: (kind, picture) => void camera.image(kind, picture),
   link: showLink,
 });
 
@@ -108,7 +133,11 @@ function applyPreferences(): void {
   setLanguage(prefs.language);
   setIcon(soundIcon, prefs.sound ? "sound" : "mute");
   soundButton.setAttribute("aria-pressed", String(prefs.sound));
+  document.body.classList.toggle("far", prefs.far);
+  farButton.setAttribute("aria-pressed", String(prefs.far));
   for (const panel of panels) panel.restyle?.();
+  access.restyle();
+  whatIf.restyle();
   savePrefs();
 }
 
@@ -127,21 +156,45 @@ function toggleSound(): void {
   applyPreferences();
 }
 
+/** Large letters, and only what an operator far away steers by. */
+function toggleFar(): void {
+  prefs.far = !prefs.far;
+  applyPreferences();
+}
+
+/** What the server would refuse this console anyway; the buttons say so, the keys keep quiet. */
+function command(action: () => void): () => void {
+  return () => {
+    if (!document.body.classList.contains("locked")) action();
+  };
+}
+
+farButton.addEventListener("click", toggleFar);
+settingsButton.addEventListener("click", () => settings.toggle());
+wizardButton.addEventListener("click", () => wizard.toggle());
 themeButton.addEventListener("click", toggleTheme);
 languageButton.addEventListener("click", toggleLanguage);
 soundButton.addEventListener("click", toggleSound);
 helpButton.addEventListener("click", () => help.toggle());
 listen(() => void emergencyStop(), {
-  "Shift+R": () => void act(api.estopReset()),
+  "Shift+R": command(() => void act(api.estopReset())),
   "?": () => help.toggle(),
-  e: () => banner.toggleEngage(),
-  p: () => replay.toggle(),
-  ArrowLeft: () => replay.step(-1),
-  ArrowRight: () => replay.step(1),
-  "[": () => replay.changeSpeed(-1),
-  "]": () => replay.changeSpeed(1),
-  o: () => replay.toggleLoop(),
+  e: command(() => banner.toggleEngage()),
+  p: command(() => replay.toggle()),
+  ArrowLeft: command(() => replay.step(-1)),
+  ArrowRight: command(() => replay.step(1)),
+  "[": command(() => replay.changeSpeed(-1)),
+  "]": command(() => replay.changeSpeed(1)),
+  o: command(() => replay.toggleLoop()),
+  r: command(() => replay.toggleRecord()),
+  b: () => void recordings.open(),
+  k: command(() => wizard.toggle()),
+  ",": () => settings.toggle(),
+  d: toggleFar,
   v: () => camera.toggleImage(),
+  n: () => camera.toggleParts(),
+  c: () => camera.toggleNumbers(),
+  h: () => camera.toggleHead(),
   m: () => camera.toggleMirror(),
   f: () => scene.toggleFollow(),
   t: toggleTheme,
@@ -159,9 +212,14 @@ document.getElementById("console")?.append(
     h("div", { class: "column right" }, arms.element, legs.element, tools.element, events.element),
   ),
   gone,
+  access.asks,
+  whatIf.element,
   noticeBoard(),
   help.element,
   recordings.element,
+  settings.element,
+  wizard.element,
+  access.dialog,
 );
 applyPreferences();
 connection.open();

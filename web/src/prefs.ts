@@ -1,4 +1,4 @@
-/** The operator's choices on this machine: theme, language, sound, picture. */
+/** The operator's choices on this machine: theme, language, sound, picture, distance. */
 
 import type { Language } from "./i18n";
 import type { ImageChoice } from "./wire";
@@ -10,6 +10,12 @@ export interface Preferences {
   mirror: boolean;
   image: ImageChoice;
   head: boolean;
+  /** The forest's body parts over the picture. */
+  parts: boolean;
+  /** Every joint's confidence as a number. */
+  numbers: boolean;
+  /** Large letters for an operator who stands far away. */
+  far: boolean;
 }
 
 const KEY = "greenhouse-console";
@@ -18,10 +24,13 @@ function defaults(): Preferences {
   return {
     theme: window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
     language: navigator.language.startsWith("zh") ? "zh" : "en",
-    sound: false,
+    sound: true,
     mirror: true,
     image: "depth",
     head: false,
+    parts: false,
+    numbers: false,
+    far: false,
   };
 }
 

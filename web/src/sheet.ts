@@ -15,6 +15,8 @@ export class Sheet {
   }
 
   open(): void {
+    // One sheet at a time.
+    for (const other of document.querySelectorAll<HTMLDialogElement>("dialog.sheet[open]")) if (other !== this.element) other.close();
     // Not modal: a modal dialog would make the stop button deaf.
     if (!this.element.open) this.element.show();
     this.close_.focus();

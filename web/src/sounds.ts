@@ -36,6 +36,8 @@ export class Sounds {
   }
 
   private play(tone: Tone): void {
+    // Browsers keep a page silent until it has been touched once.
+    if (!this.context && !navigator.userActivation.hasBeenActive) return;
     this.context ??= new AudioContext();
     let at_s = this.context.currentTime;
     for (const [frequency_hz, length_s] of tone) {

@@ -9,3 +9,4 @@ export const SIDES: readonly Side[] = ["right", "left"];
 export const DEPTH_IMAGE = 1;
 export const COLOR_IMAGE = 2;
 export const HEAD_IMAGE = 3;
+export const PARTS_IMAGE = 4;

@@ -52,6 +52,11 @@ export function setLanguage(next: Language): void {
   for (const element of document.querySelectorAll("[data-i18n]")) {
     element.textContent = t(element.getAttribute("data-i18n") as Key);
   }
+  for (const element of document.querySelectorAll("[data-i18n-placeholder]")) {
+    const text = t(element.getAttribute("data-i18n-placeholder") as Key);
+    element.setAttribute("placeholder", text);
+    element.setAttribute("aria-label", text);
+  }
   for (const element of document.querySelectorAll("[data-i18n-title]")) {
     const text = t(element.getAttribute("data-i18n-title") as Key);
     element.setAttribute("title", text);

@@ -53,7 +53,7 @@ export class Banner implements Panel {
   private readonly engageText = new Text(this.engage);
   private engaged = false;
 
-  constructor(tools: HTMLElement) {
+  constructor(tools: HTMLElement, lease: HTMLElement) {
     const stop = titled(h("button", { class: "estop", type: "button" }), "button.estop.title");
     stop.append(icon("stopped"), translated(h("span"), "button.estop"));
     // Pointer down, not click: a stop does not wait for the finger to leave the button.
@@ -78,8 +78,8 @@ export class Banner implements Panel {
         h("span", {}, translated(h("small"), "zone.label"), this.zone.element),
         h("span", {}, h("small", {}, "v, ω"), this.drive.element),
       ),
-      h("div", { class: "side" }, this.link, tools),
-      h("div", { class: "actions" }, this.engage, this.reset),
+      h("div", { class: "side" }, h("div", { class: "who" }, this.link, lease), tools),
+      h("div", { class: "actions", "data-commands": true }, this.engage, this.reset),
       stop,
     );
     this.look = new Attribute(this.element, "data-mode");

@@ -5,8 +5,8 @@ import { t, titled, translated } from "../i18n";
 import { icon } from "../icons";
 import { type Panel, frame } from "../panel";
 import { prefs, savePrefs } from "../prefs";
-import { COLOR_IMAGE, DEPTH_IMAGE, HEAD_IMAGE, SIDES, type Side } from "../words";
-import type { Hello, ImageChoice, State } from "../wire";
+import { COLOR_IMAGE, DEPTH_IMAGE, HEAD_IMAGE, PARTS_IMAGE, SIDES, type Side } from "../words";
+import type { Hello, ImageChoice, State, View } from "../wire";
 
 /** The operator's right and left keep one colour each on the whole screen (Okabe and Ito, safe for the colour-blind). */
 const SIDE_COLORS: Record<Side | "center", string> = { right: "#f0a83c", left: "#5cb8f0", center: "#dfe9e2" };
@@ -20,17 +20,20 @@ export class CameraPanel implements Panel {
   readonly element: HTMLElement;
   private readonly picture = h("canvas", { class: "picture" });
   private readonly overlay = h("canvas", { class: "overlay" });
+  private readonly parts = h("canvas", { class: "parts", hidden: true });
   private readonly head = h("canvas", { class: "head-picture", width: 320, height: 240, hidden: true });
   private readonly buttons = new Map<ImageChoice, HTMLButtonElement>();
-  private readonly headButton = h("button", { class: "chip", type: "button" });
+  private readonly partsButton = titled(h("button", { class: "chip", type: "button" }, icon("parts")), "image.parts");
+  private readonly numbersButton = titled(h("button", { class: "chip", type: "button" }, "%"), "image.numbers");
+  private readonly headButton = titled(h("button", { class: "chip", type: "button" }, icon("camera")), "image.head");
   private readonly mirrorButton = titled(h("button", { class: "chip", type: "button" }, icon("mirror")), "button.mirror");
   private readonly empty = new Text(h("p", { class: "camera-empty" }));
   private hello_: Hello | null = null;
   private last: State | null = null;
   private decoding = new Set<number>();
 
-  constructor(private readonly viewChanged: (image: ImageChoice, head: boolean) => void) {
-    const stack = h("div", { class: "camera-stack" }, this.picture, this.overlay, this.empty.element as HTMLElement, this.head);
+  constructor(private readonly viewChanged: (view: View) => void) {
+    const stack = h("div", { class: "camera-stack" }, this.picture, this.parts, this.overlay, this.empty.element as HTMLElement, this.head);
     const { element, tools } = frame("camera", "panel.camera", stack);
     this.element = element;
     for (const choice of CHOICES) {
@@ -39,12 +42,11 @@ export class CameraPanel implements Panel {
       this.buttons.set(choice, button);
       tools.append(button);
     }
-    translated(this.headButton, "image.head").addEventListener("click", () => {
-      prefs.head = !prefs.head;
-      this.choose(prefs.image);
-    });
+    this.headButton.addEventListener("click", () => this.toggleHead());
+    this.partsButton.addEventListener("click", () => this.toggleParts());
+    this.numbersButton.addEventListener("click", () => this.toggleNumbers());
     this.mirrorButton.addEventListener("click", () => this.toggleMirror());
-    tools.append(this.headButton, this.mirrorButton);
+    tools.append(this.partsButton, this.numbersButton, this.headButton, this.mirrorButton);
     this.showChoice();
   }
 
@@ -59,7 +61,24 @@ export class CameraPanel implements Panel {
     prefs.image = image;
     savePrefs();
     this.showChoice();
-    this.viewChanged(prefs.image, prefs.head);
+    this.viewChanged({ type: "view", image: prefs.image, head: prefs.head, parts: prefs.parts });
+  }
+
+  toggleHead(): void {
+    prefs.head = !prefs.head;
+    this.choose(prefs.image);
+  }
+
+  toggleParts(): void {
+    prefs.parts = !prefs.parts;
+    this.choose(prefs.image);
+  }
+
+  toggleNumbers(): void {
+    prefs.numbers = !prefs.numbers;
+    savePrefs();
+    this.showChoice();
+    if (this.last) this.state(this.last);
   }
 
   toggleImage(): void {
@@ -77,7 +96,11 @@ export class CameraPanel implements Panel {
     for (const [choice, button] of this.buttons) button.setAttribute("aria-pressed", String(choice === prefs.image));
     this.headButton.setAttribute("aria-pressed", String(prefs.head));
     this.mirrorButton.setAttribute("aria-pressed", String(prefs.mirror));
+    this.partsButton.setAttribute("aria-pressed", String(prefs.parts));
+    this.numbersButton.setAttribute("aria-pressed", String(prefs.numbers));
     this.head.hidden = !prefs.head;
+    if (!prefs.parts) this.parts.getContext("2d")?.clearRect(0, 0, this.parts.width, this.parts.height);
+    this.parts.hidden = !prefs.parts;
     if (prefs.image === "none") this.picture.getContext("2d")?.clearRect(0, 0, this.picture.width, this.picture.height);
   }
 
@@ -87,19 +110,21 @@ export class CameraPanel implements Panel {
   }
 
   /** Shows a picture; one that arrives while the last is still being decoded is left out. */
-  async image(kind: number, jpeg: Blob): Promise<void> {
+  async image(kind: number, picture: Blob): Promise<void> {
     if (this.decoding.has(kind) || !wanted(kind)) return;
     this.decoding.add(kind);
     try {
-      const bitmap = await createImageBitmap(jpeg);
+      const bitmap = await createImageBitmap(picture);
       if (!wanted(kind)) return; // another picture was chosen meanwhile
-      const canvas = kind === HEAD_IMAGE ? this.head : this.picture;
+      const canvas = kind === HEAD_IMAGE ? this.head : kind === PARTS_IMAGE ? this.parts : this.picture;
       if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
         canvas.width = bitmap.width;
         canvas.height = bitmap.height;
       }
       canvas.classList.toggle("flipped", kind !== HEAD_IMAGE && this.flipped);
-      canvas.getContext("2d")?.drawImage(bitmap, 0, 0);
+      const g = canvas.getContext("2d");
+      if (kind === PARTS_IMAGE) g?.clearRect(0, 0, canvas.width, canvas.height);
+      g?.drawImage(bitmap, 0, 0);
       bitmap.close();
     } finally {
       this.decoding.delete(kind);
@@ -150,17 +175,33 @@ export class CameraPanel implements Panel {
     }
     for (const name of hello.joint_names) {
       const p = skeleton.pixels[name];
-      if (!p) continue;
-      g.globalAlpha = opacity(skeleton.confidence[name] ?? 0);
-      g.beginPath();
-      g.arc(this.u(p[0], hello), this.v(p[1], hello), 0.95 * unit, 0, 2 * Math.PI);
-      g.fillStyle = "#07120c";
-      g.fill();
-      g.lineWidth = 0.5 * unit;
-      g.strokeStyle = SIDE_COLORS[sideOf(name)];
-      g.stroke();
+      if (p) this.drawJoint(g, this.u(p[0], hello), this.v(p[1], hello), sideOf(name), skeleton.confidence[name] ?? 0);
     }
     g.globalAlpha = 1;
+  }
+
+  /** A joint's ring closes with its confidence: a full circle is sure, an arc is not; readable without colour. */
+  private drawJoint(g: CanvasRenderingContext2D, x: number, y: number, side: Side | "center", confidence: number): void {
+    const unit = this.overlay.width / 100;
+    g.globalAlpha = 1;
+    g.beginPath();
+    g.arc(x, y, 1.25 * unit, 0, 2 * Math.PI);
+    g.fillStyle = "#07120c";
+    g.fill();
+    g.beginPath();
+    g.arc(x, y, 0.95 * unit, -Math.PI / 2, -Math.PI / 2 + 2 * Math.PI * Math.min(1, Math.max(0.05, confidence)));
+    g.lineWidth = 0.6 * unit;
+    g.strokeStyle = SIDE_COLORS[side];
+    g.stroke();
+    if (!prefs.numbers) return;
+    g.font = `600 ${(3.1 * unit).toFixed(0)}px system-ui, sans-serif`;
+    g.textBaseline = "middle";
+    g.lineWidth = 0.9 * unit;
+    g.strokeStyle = "#07120c";
+    const text = (100 * confidence).toFixed(0);
+    g.strokeText(text, x + 1.8 * unit, y);
+    g.fillStyle = "#ffffff";
+    g.fillText(text, x + 1.8 * unit, y);
   }
 
   /** An open hand is a ring, a fist a full disc, an unseen one a dashed ring: told apart without colour. */
@@ -186,6 +227,7 @@ export class CameraPanel implements Panel {
 /** Whether the operator looks at this kind of picture. */
 function wanted(kind: number): boolean {
   if (kind === HEAD_IMAGE) return prefs.head;
+  if (kind === PARTS_IMAGE) return prefs.parts;
   return (kind === DEPTH_IMAGE && prefs.image === "depth") || (kind === COLOR_IMAGE && prefs.image === "color");
 }
 

@@ -8,7 +8,7 @@ import { type Key, t, titled, translated } from "../i18n";
 import { type Panel, frame } from "../panel";
 import type { Hello, State, Zone, ZoneInfo } from "../wire";
 
-const TRAIL_POINTS = 40;
+const TRAIL_POINTS = 160;
 const FAR_M = 3.75;
 const HALF_WIDTH_M = 1.32;
 
@@ -61,6 +61,7 @@ export class FloorPanel implements Panel {
     this.label("floor.stop", 0, far + 0.2, "stop");
     this.label("floor.left", -(side + center) / 2 - 0.05, near - 0.06, "small");
     this.label("floor.right", (side + center) / 2 + 0.05, near - 0.06, "small");
+    this.bands(zones);
     this.measures(zones);
     this.map.append(
       s("path", { class: "floor-view", d: `M0 0 L${-HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)} M0 0 L${HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)}` }),
@@ -88,6 +89,20 @@ export class FloorPanel implements Panel {
 
   private label(key: Key, x: number, y: number, kind: string): void {
     this.map.append(translated(s("text", { class: `floor-label ${kind}`, x, y }), key));
+  }
+
+  /** Where the zone depends on the one before: the operator has to cross such a band to change it. */
+  private bands({ depth_cuts_m: cuts, center_half_width_m: center, side_limit_m: side, hysteresis_m: margin }: ZoneInfo): void {
+    const near = cuts[0];
+    const depth = cuts[3] - near;
+    const across = (x: number) => this.band(x - margin, near, 2 * margin, depth);
+    for (const x of [-side, -center, center, side]) across(x);
+    for (const z of [near, cuts[3]]) this.band(-side, z - margin, 2 * side, 2 * margin);
+    for (const z of [cuts[1], cuts[2]]) this.band(-center, z - margin, 2 * center, 2 * margin);
+  }
+
+  private band(x: number, z: number, width: number, height: number): void {
+    this.map.append(s("rect", { class: "floor-band", x, y: z, width, height }));
   }
 
   private measures(zones: ZoneInfo): void {

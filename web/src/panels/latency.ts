@@ -1,4 +1,7 @@
-/** Where the time goes between a frame and the painted overlay: median and 95 % of each stage. */
+/** Where the time goes between a motion and the painted overlay: median and 95 % of each stage.
+ *
+ * The headline holds the filter's delay, too: it is what the operator feels.
+ */
 
 import { Attribute, Text, h } from "../dom";
 import { lookup, t, translated } from "../i18n";
@@ -7,7 +10,9 @@ import type { StageLatency, State } from "../wire";
 
 const EVERY_MS = 250;
 const LEAST_SCALE_MS = 10;
-const TOTAL = "total";
+const HEADLINE = "motion";
+/** Sums of other stages: no bars of their own. */
+const SUMS: readonly string[] = [HEADLINE, "total"];
 
 class StageRow {
   readonly element: HTMLElement;
@@ -39,6 +44,7 @@ export class LatencyPanel implements Panel {
   private readonly list = h("div", { class: "stages" });
   private readonly median = new Text(h("b", { class: "total-value" }));
   private readonly p95 = new Text(h("b", { class: "total-value" }));
+  private readonly shared = new Text(h("p", { class: "total-shared" }));
   private readonly fps = new Text(h("span"));
   private readonly clients = new Text(h("span"));
   private drawn_ms = -Infinity;
@@ -47,10 +53,10 @@ export class LatencyPanel implements Panel {
     const total = h(
       "div",
       { class: "total" },
-      translated(h("span"), "stage.total"),
+      translated(h("span"), "stage.motion"),
       h("div", {}, this.median.element, translated(h("small"), "latency.median"), this.p95.element, translated(h("small"), "latency.p95")),
     );
-    const { element, tools } = frame("latency", "panel.latency", total, this.list);
+    const { element, tools } = frame("latency", "panel.latency", total, this.shared.element as HTMLElement, this.list);
     tools.append(this.fps.element, this.clients.element);
     this.element = element;
   }
@@ -60,16 +66,18 @@ export class LatencyPanel implements Panel {
     this.drawn_ms = now_ms;
     this.fps.set(t("latency.fps", { fps: (state.source?.fps ?? 0).toFixed(0) }));
     this.clients.set(t("latency.clients", { count: state.clients }));
-    const total = state.latency_ms[TOTAL];
-    this.median.set(total ? ms(total.p50) : "–");
-    this.p95.set(total ? ms(total.p95) : "–");
+    const motion = state.latency_ms[HEADLINE];
+    this.median.set(motion ? ms(motion.p50) : "–");
+    this.p95.set(motion ? ms(motion.p95) : "–");
+    const total = state.latency_ms["total"];
+    this.shared.set(total ? t("latency.shared", { p50: ms(total.p50), p95: ms(total.p95) }) : "");
     let scale_ms = LEAST_SCALE_MS;
     for (const stage in state.latency_ms) {
-      if (stage !== TOTAL) scale_ms = Math.max(scale_ms, state.latency_ms[stage]?.p95 ?? 0);
+      if (!SUMS.includes(stage)) scale_ms = Math.max(scale_ms, state.latency_ms[stage]?.p95 ?? 0);
     }
     for (const stage in state.latency_ms) {
       const latency = state.latency_ms[stage];
-      if (stage === TOTAL || !latency) continue;
+      if (SUMS.includes(stage) || !latency) continue;
       this.row(stage).set(latency, scale_ms);
     }
   }

@@ -2,6 +2,7 @@
 
 import { act } from "../act";
 import { api } from "../api";
+import { clock } from "../clock";
 import { Attribute, Text, h } from "../dom";
 import { t, titled, translated } from "../i18n";
 import { icon, setIcon } from "../icons";
@@ -24,6 +25,8 @@ export class ReplayPanel implements Panel {
   private readonly loop = titled(h("button", { class: "button round", type: "button" }, icon("loop")), "replay.loop");
   private readonly looping = new Attribute(this.loop, "aria-pressed");
   private readonly speed = titled(h("select", {}), "replay.speed");
+  private readonly record = titled(h("button", { class: "button round record", type: "button" }, icon("record")), "replay.record");
+  private readonly recording = new Attribute(this.record, "aria-pressed");
   private readonly name = new Text(h("b", { class: "source-name" }));
   private readonly marks = new Text(h("span", { class: "source-marks" }));
   private readonly time = new Text(h("output"));
@@ -45,13 +48,20 @@ export class ReplayPanel implements Panel {
     });
     this.speed.addEventListener("change", () => this.sendSpeed());
     this.loop.addEventListener("click", () => this.toggleLoop());
+    this.record.addEventListener("click", () => this.toggleRecord());
     const open = translated(h("button", { class: "button", type: "button" }), "replay.recordings");
     open.prepend(icon("files"));
     open.addEventListener("click", () => void recordings.open());
     const { element, tools } = frame(
       "replay",
       "panel.replay",
-      h("div", { class: "transport" }, this.play, this.timeline.element, this.time.element, this.loop, this.speed, open),
+      h(
+        "div",
+        { class: "transport" },
+        h("div", { class: "replayed", "data-commands": true }, this.play, this.timeline.element, this.time.element, this.loop, this.speed),
+        h("span", { "data-commands": true }, this.record),
+        open,
+      ),
     );
     tools.append(this.name.element, this.marks.element);
     this.element = element;
@@ -65,6 +75,12 @@ export class ReplayPanel implements Panel {
 
   toggleLoop(): void {
     if (this.source?.live === false) void act(api.loop(!this.source.loop));
+  }
+
+  /** Records what the source gives from now on, or ends the recording: the source is opened anew for it. */
+  toggleRecord(): void {
+    const source = this.source;
+    if (source) void act(api.openSession({ source: source.uri, loop: source.loop, record: !source.recording }));
   }
 
   /** Moves by some steps of five seconds. */
@@ -116,6 +132,7 @@ export class ReplayPanel implements Panel {
     if (source.recording) marks.push(`● ${t("replay.recording")}`);
     this.marks.set(marks.join(" · "));
     this.looping.set(String(source.loop));
+    this.recording.set(String(source.recording));
     this.timeline.extend(source.duration_s ?? 0);
     setIcon(this.glyph, source.paused || source.ended ? "play" : "pause");
     if (this.dragging || now_ms < this.quiet_until_ms) return;
@@ -123,10 +140,4 @@ export class ReplayPanel implements Panel {
     this.showTime(source.position_s);
     if (document.activeElement !== this.speed) this.speed.value = String(source.speed);
   }
-}
-
-/** Minutes and seconds. */
-export function clock(seconds: number): string {
-  const whole = Math.max(0, Math.floor(seconds));
-  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
 }

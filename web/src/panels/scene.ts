@@ -3,7 +3,7 @@
 import { Text, h } from "../dom";
 import { t, translated } from "../i18n";
 import { type Panel, frame } from "../panel";
-import type { Hello, State } from "../wire";
+import type { Coverage, Hello, State } from "../wire";
 import type { Stage } from "../scene/stage";
 
 export class ScenePanel implements Panel {
@@ -16,6 +16,7 @@ export class ScenePanel implements Panel {
   private stage: Stage | null = null;
   private loading: Promise<Stage | null> | null = null;
   private shown = "";
+  private wet: Coverage | null = null;
 
   constructor() {
     const { element, tools } = frame("scene", "panel.scene", this.box);
@@ -44,6 +45,7 @@ export class ScenePanel implements Panel {
     this.stage = new Stage(this.box, (triangles, ms) =>
       this.cost.set(t("scene.triangles", { count: triangles, ms: ms.toFixed(0) })),
     );
+    if (this.wet) this.stage.coverage(this.wet);
     this.showFollow();
     return this.stage;
   }
@@ -75,6 +77,12 @@ export class ScenePanel implements Panel {
 
   state(state: State): void {
     this.stage?.state(state);
+  }
+
+  /** Held until the 3-D code is here. */
+  coverage(coverage: Coverage): void {
+    this.wet = coverage;
+    this.stage?.coverage(coverage);
   }
 
   restyle(): void {

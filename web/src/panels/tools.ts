@@ -114,7 +114,7 @@ export class ToolsPanel implements Panel {
       h("div", { class: "hands" }, ...this.hands.map((hand) => hand.element)),
       h("div", { class: "lamps" }, ...lamps),
       this.stocks.element,
-      h("div", { class: "drives" }, this.lift.element, this.disc.element),
+      h("div", { class: "drives", "data-commands": true }, this.lift.element, this.disc.element),
     ).element;
   }
 

@@ -1,8 +1,8 @@
-/** The robot from its URDF, and a ghost of the set-points its arms are moving to. */
+/** The robot from its URDF, and a ghost of the pose that is commanded of its arms, before the limits. */
 
 import { Group, Mesh, MeshLambertMaterial, type Object3D } from "three";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
-import type { RobotWire } from "../wire";
+import type { ArmJoints, ArmTargetState, CommandState, RobotWire, State } from "../wire";
 import { mergeLink } from "./merge";
 import { Shadow } from "./shadow";
 import { Spray } from "./spray";
@@ -11,6 +11,7 @@ import { Spray } from "./spray";
 const STILL_RAD = 5e-4;
 const GHOST_FROM_RAD = 0.05;
 const SPRAYER = "rear_tool";
+const RAD = Math.PI / 180;
 const ARM_JOINT = /^(right|left|rear)_/;
 
 export class RobotModel {
@@ -22,7 +23,10 @@ export class RobotModel {
   private readonly shadow = new Shadow();
   private readonly spray = new Spray();
 
-  constructor(urdf: string) {
+  constructor(
+    urdf: string,
+    private readonly armJoints: { [arm: string]: ArmJoints },
+  ) {
     const loader = new URDFLoader();
     loader.parseCollision = false;
     this.robot = loader.parse(urdf);
@@ -51,13 +55,13 @@ export class RobotModel {
   }
 
   /** Takes the pose of a state; true when the picture changes. */
-  set(state: RobotWire): boolean {
+  set({ robot: state, command }: State): boolean {
     let changed = this.move(state);
     for (const name in state.joints) {
       changed = setJoint(this.robot, name, state.joints[name] ?? 0) || changed;
     }
     changed = this.spray.set(state.spray_on, state.liquid) || changed;
-    return this.setGhost(state) || changed;
+    return this.setGhost(state, command) || changed;
   }
 
   private move(state: RobotWire): boolean {
@@ -70,21 +74,36 @@ export class RobotModel {
   }
 
   /** The ghost shows while an arm is on its way. */
-  private setGhost(state: RobotWire): boolean {
+  private setGhost(state: RobotWire, command: CommandState): boolean {
+    const goals = this.goals(state, command);
     let away = false;
-    for (const name in state.targets) {
-      const gap = Math.abs((state.targets[name] ?? 0) - (state.joints[name] ?? 0));
-      if (ARM_JOINT.test(name) && gap > GHOST_FROM_RAD) away = true;
+    for (const [name, goal] of goals) {
+      if (Math.abs(goal - (state.joints[name] ?? 0)) > GHOST_FROM_RAD) away = true;
     }
     const changed = this.ghost.visible !== away;
     this.ghost.visible = away;
     if (!away) return changed;
     let moved = false;
     for (const name in state.joints) {
-      const value = ARM_JOINT.test(name) ? (state.targets[name] ?? state.joints[name]) : state.joints[name];
-      moved = setJoint(this.ghost, name, value ?? 0) || moved;
+      moved = setJoint(this.ghost, name, goals.get(name) ?? state.joints[name] ?? 0) || moved;
     }
     return moved || changed;
+  }
+
+  /** Where each arm joint shall go: as commanded while an arm is, else as the motors are told. */
+  private goals(state: RobotWire, command: CommandState): Map<string, number> {
+    const goals = new Map<string, number>();
+    for (const name in state.targets) if (ARM_JOINT.test(name)) goals.set(name, state.targets[name] ?? 0);
+    const arms: [string, ArmTargetState | null][] = [["right", command.right_arm], ["left", command.left_arm], ["rear", command.rear_arm]];
+    for (const [arm, target] of arms) {
+      const joints = this.armJoints[arm];
+      if (!target || !joints) continue;
+      // As robot_sim.arm_angles: the elbow joint is zero when the arm is straight (180 deg).
+      goals.set(joints.c1, target.c1_deg * RAD);
+      goals.set(joints.c2, target.c2_deg * RAD);
+      goals.set(joints.elbow, (180 - target.elbow_deg) * RAD);
+    }
+    return goals;
   }
 
   dispose(): void {

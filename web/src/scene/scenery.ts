@@ -16,6 +16,7 @@ import {
 } from "three";
 import type { SceneryItem } from "../wire";
 import { Moved, type Piece } from "./moved";
+import { Wet } from "./wet";
 
 /** Few segments: the whole view has to stay below 15,000 triangles. */
 function unitGeometry(kind: SceneryItem["kind"]): BufferGeometry {
@@ -48,6 +49,7 @@ export interface Scenery {
   left: Group;
   right: Group;
   moved: Moved;
+  wet: Wet;
 }
 
 /** What stands at least this far beside the middle of the aisle belongs to a row. */
@@ -60,7 +62,7 @@ export function buildScenery(items: readonly SceneryItem[]): Scenery {
   const all = batched(items.filter((item) => Math.abs(item.xyz_m[1]) <= AISLE_HALF_WIDTH_M), pieces);
   const moved = new Moved(pieces);
   all.add(left, right, moved.group);
-  return { all, left, right, moved };
+  return { all, left, right, moved, wet: new Wet(pieces) };
 }
 
 function batched(items: readonly SceneryItem[], pieces: Map<string, Piece>): Group {

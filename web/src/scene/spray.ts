@@ -7,7 +7,8 @@ const LENGTH_M = 0.55;
 const RADIUS_M = 0.17;
 /** From the sprayer's flange to its nozzles' mouths. */
 const NOZZLE_M = 0.14;
-const COLORS: Record<Liquid, number> = { water: 0x9fd8ff, nutrient: 0xa9e88f, pesticide: 0xf2c35a };
+/** In the order in which shares come over the wire. */
+export const LIQUID_COLORS: Record<Liquid, number> = { water: 0x9fd8ff, nutrient: 0xa9e88f, pesticide: 0xf2c35a };
 
 export class Spray {
   private readonly material = new MeshBasicMaterial({ transparent: true, opacity: 0.38, depthWrite: false });
@@ -26,7 +27,7 @@ export class Spray {
     if (this.mesh.visible === on && this.liquid === liquid) return false;
     this.mesh.visible = on;
     this.liquid = liquid;
-    this.material.color.setHex(COLORS[liquid]);
+    this.material.color.setHex(LIQUID_COLORS[liquid]);
     return true;
   }
 

@@ -19,7 +19,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cssColor, h } from "../dom";
-import type { Hello, State } from "../wire";
+import type { Coverage, Hello, State } from "../wire";
 import { RobotModel } from "./robot";
 import { AISLE_HALF_WIDTH_M, type Scenery, buildScenery, disposeScenery } from "./scenery";
 
@@ -52,6 +52,7 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly base = new Vector3();
   private readonly step = new Vector3();
+  private wet: Coverage["wet"] = {};
   private scenery: Scenery | null = null;
   private robot: RobotModel | null = null;
   private scheduled = false;
@@ -113,7 +114,8 @@ export class Stage {
       this.robot.dispose();
     }
     this.scenery = buildScenery(hello.scenery);
-    this.robot = new RobotModel(urdf);
+    this.robot = new RobotModel(urdf, hello.arm_joints);
+    this.scenery.wet.set(this.wet);
     this.scene.add(this.scenery.all, this.robot.group);
     this.cutAway();
     this.invalidate();
@@ -121,7 +123,7 @@ export class Stage {
 
   state(state: State): void {
     if (this.scenery?.moved.set(state.robot.moved)) this.invalidate();
-    if (!this.robot?.set(state.robot)) return;
+    if (!this.robot?.set(state)) return;
     const { x, y } = state.robot.base;
     this.step.set(x, y, 0).sub(this.base);
     this.base.add(this.step);
@@ -131,6 +133,11 @@ export class Stage {
       this.controls.update();
     }
     this.invalidate();
+  }
+
+  coverage({ wet }: Coverage): void {
+    this.wet = wet;
+    if (this.scenery?.wet.set(wet)) this.invalidate();
   }
 
   home(): void {
