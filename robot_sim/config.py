@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -148,6 +148,9 @@ class UpperBodyConfig(RobotSection):
 class ToolConfig(RobotSection):
     """Gripper and cutter on the right arm, box on the left, sprayer on the rear."""
 
+    gripper: Literal["long", "soft"] = Field(
+        default="long", description="long: flat pads for cucumbers; soft: cupped, hand-like, for tomatoes and grapes"
+    )
     jaw: AxisLimits = Field(
         default_factory=lambda: AxisLimits(lower=0.0, upper=0.060, speed=0.30, acceleration=3.0, effort=14.0),
         description="travel of one gripper jaw from closed [m]; a cucumber is about 4 cm thick",
@@ -206,10 +209,19 @@ class SprayConfig(RobotSection):
         return litre_m2 * self.flow_l_s / self.parcels_1_s
 
 
+CropName = Literal["cucumber", "tomato", "grape"]
+
+
 class GreenhouseConfig(RobotSection):
     """Two crop rows along x with an aisle between them; the robot starts in the aisle at the origin."""
 
     row_start_m: float = Field(default=-1.1, ge=-20.0, le=0.0, description="where the rows begin [m]")
+    left_crop: CropName = Field(default="cucumber", description="what grows in the left row (+y)")
+    right_crop: CropName = Field(default="tomato", description="what grows in the right row (-y)")
+    ripe_share: float = Field(default=0.8, ge=0.0, le=1.0, description="share of the fruit that is ripe [1]")
+    diseased_share: float = Field(
+        default=0.15, ge=0.0, le=1.0, description="share of the plants with mildew, which want pesticide [1]"
+    )
     row_end_m: float = Field(default=2.9, ge=0.5, le=40.0, description="where the rows end [m]")
     row_offset_m: float = Field(default=0.86, ge=0.7, le=2.0, description="from the aisle's middle to a row's [m]")
     gutter_height_m: float = Field(default=0.50, ge=0.2, le=1.0, description="bottom of the hanging gutters [m]")
@@ -252,6 +264,30 @@ class ClearanceConfig(RobotSection):
     )
 
 
+class SerialConfig(RobotSection):
+    """The link to a servo controller (docs/servo_protocol.md)."""
+
+    baud: int = Field(default=115200, ge=9600, le=4_000_000, description="speed of the serial port [baud]")
+    ack_timeout_s: float = Field(
+        default=0.03, ge=0.005, le=1.0, description="wait for an answer before sending again [s]; a line takes 10 ms"
+    )
+    retries: int = Field(default=2, ge=0, le=10, description="how often a line is sent again [1]")
+    lost_after_s: float = Field(
+        default=0.5, ge=0.05, le=10.0, description="silence after which the emergency stop is latched [s]"
+    )
+
+
+class ServoConfig(RobotSection):
+    """How coarse real servos are; off by default, so that the simulation is exact."""
+
+    whole_degrees: bool = Field(
+        default=False, description="arm set-points are rounded to whole degrees; source: its servo controller"
+    )
+    backlash_rad: float = Field(
+        default=0.0, ge=0.0, le=0.1, description="play of the arms' gears [rad]; hobby servos have about 0.01"
+    )
+
+
 class RobotConfig(RobotSection):
     """Everything about the robot that can be changed without changing code."""
 
@@ -262,6 +298,8 @@ class RobotConfig(RobotSection):
     spray: SprayConfig = Field(default_factory=SprayConfig)
     greenhouse: GreenhouseConfig = Field(default_factory=GreenhouseConfig)
     clearance: ClearanceConfig = Field(default_factory=ClearanceConfig)
+    serial: SerialConfig = Field(default_factory=SerialConfig)
+    servo: ServoConfig = Field(default_factory=ServoConfig)
     position_gain: float = Field(
         default=0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick"
     )

@@ -74,7 +74,7 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
     from server.quiet import quiet_output
 
     with quiet_output():
-        from robot_sim.world import World
+        from robot_sim.link import open_robot
     from server.access.tokens import load_tokens
     from server.app import create_app
     from server.engine.engine import Engine
@@ -92,9 +92,9 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
         open_source(settings.source).close()
     tell("reading the body model")
     tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
-    tell("building the greenhouse")
+    tell("building the greenhouse" if settings.drives == "pybullet:" else "calling the robot")
     with quiet_output():
-        world = World(settings.robot)
+        world = open_robot(settings.drives, settings.robot)
     tokens, shown = load_tokens(settings.access.file, renew=new_tokens)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)

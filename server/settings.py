@@ -129,6 +129,10 @@ class Settings(Section):
     )
     port: int = Field(default=8000, ge=1, le=65535, description="TCP port to listen on")
     source: str = Field(default="", description="source URI to start with; empty waits for POST /api/v1/sessions")
+    drives: str = Field(
+        default="pybullet:",
+        description="the robot: pybullet: (simulation) or serial:PORT (servo controller, docs/servo_protocol.md)",
+    )
     loop: bool = Field(default=True, description="start a recorded source again at its end")
     record: bool = Field(default=False, description="record the session to the library")
     library: Path = Field(default_factory=default_library, description="folder of own recordings")

@@ -13,6 +13,9 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on. [default: 127.0.0.1]")] = None,
     port: Annotated[int | None, typer.Option(help="TCP port. [default: 8000]")] = None,
     source: Annotated[str | None, typer.Option(help="Recording, RGB-D folder or sensor URI to start with.")] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="pybullet: or serial:PORT, a servo controller. [default: pybullet:]")
+    ] = None,
     loop: Annotated[bool | None, typer.Option("--loop/--no-loop", help="Start a recording again at its end.")] = None,
     record: Annotated[bool | None, typer.Option("--record/--no-record", help="Record the session.")] = None,
     tls_cert: Annotated[Path | None, typer.Option(help="PEM certificate chain: serve https.", metavar="FILE")] = None,
@@ -33,7 +36,7 @@ def serve(
     from server.settings import Settings, load_settings, with_operator
 
     flags: dict[str, object] = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
-    flags |= {"tls_cert": tls_cert, "tls_key": tls_key, "log_format": log_format}
+    flags |= {"tls_cert": tls_cert, "tls_key": tls_key, "log_format": log_format, "drives": robot}
 
     def read() -> Settings:
         settings = load_settings(config, flags)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from robot_sim.commands import RobotCommand, stop_command
+from robot_sim.link.robot_link import RobotLink
 from robot_sim.state import RobotState
-from robot_sim.world import World
 from server.engine.filter_delay import filter_delay_s
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
@@ -63,7 +63,7 @@ class Core:
     def __init__(
         self,
         tracker: BodyTracker,
-        world: World,
+        world: RobotLink,
         settings: Settings,
         ledger: Ledger,
         clock: Callable[[], float] = time.monotonic,

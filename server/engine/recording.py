@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from robot_sim.world import World
+from robot_sim.link.robot_link import RobotLink
 from server.engine.core import Moment
 from server.settings import Settings
 from teleop.body.model import BodyModel
@@ -21,7 +21,7 @@ from teleop.sources.base import SourceInfo
 from teleop.track_row import track_row
 
 
-def describe(settings: Settings, model: BodyModel, world: World) -> dict[str, str]:
+def describe(settings: Settings, model: BodyModel, world: RobotLink) -> dict[str, str]:
     """What decided the session beside frames and inputs, for the recording's metadata."""
     made_with = session_identity(model)
     del made_with[topics.KEY_SOFTWARE]  # the writer's own
