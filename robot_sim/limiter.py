@@ -7,11 +7,13 @@ has: one request moves the lift all the way. Standing still (stop, emergency sto
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from math import copysign, isfinite, sqrt
 
 from robot_sim.actuators import JOINT_INDEX, JOINTS, axes
-from robot_sim.arm_angles import joint_rad
+from robot_sim.arm_angles import arm_joint_names, joint_rad
+from robot_sim.clearance import TRUNK, WORKSPACE, breaches, margins_m
 from robot_sim.commands import ARM_NAMES, Liquid, RobotCommand
 from robot_sim.config import AxisLimits, RobotConfig
 from robot_sim.reasons import RobotReason
@@ -156,13 +158,16 @@ def advance(previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig)
         reasons[RobotReason.DISC_TURNING] = None
     if previous.estop:
         reasons[RobotReason.ESTOP] = None
-    position, velocity = [], []
-    for axis, p, v, bound_for in zip(axes(config), previous.position, previous.velocity, followed, strict=True):
-        p, v = _advance_joint(p, v, bound_for, axis.limits, dt_s)
-        if abs(v) >= axis.limits.speed - _AT_REST:
-            reasons[RobotReason.JOINT_SPEED] = None
-        position.append(p)
-        velocity.append(v)
+    position, velocity = _advance_joints(previous, followed, dt_s, config)
+    held = _too_near(previous, position, velocity, config)
+    if held:
+        for arm, reason in held.items():
+            reasons[reason] = None
+            for i in _ARM_JOINTS[arm]:
+                followed[i] = None
+        position, velocity = _advance_joints(previous, followed, dt_s, config)
+    if any(abs(v) >= axis.limits.speed - _AT_REST for axis, v in zip(axes(config), velocity, strict=True)):
+        reasons[RobotReason.JOINT_SPEED] = None
     locked = turning or still
     drive, turn = _advance_chassis(previous, goals, dt_s, config, reasons)
     setpoints = Setpoints(
@@ -185,6 +190,42 @@ def _disc_turns(previous: Setpoints, goal_rad: float | None, config: RobotConfig
     """Whether the disc is under way or about to be."""
     under_way = abs(previous.velocity[_DISC]) > _AT_REST
     return under_way or (goal_rad is not None and abs(goal_rad - previous.position[_DISC]) > config.disc_still_rad)
+
+
+_ARM_JOINTS = tuple(tuple(JOINT_INDEX[name] for name in arm_joint_names(arm)) for arm in ARM_NAMES)
+_ARMS = tuple(i for joints in _ARM_JOINTS for i in joints)
+
+
+def _advance_joints(
+    previous: Setpoints, bound_for: Sequence[float | None], dt_s: float, config: RobotConfig
+) -> tuple[list[float], list[float]]:
+    moved = [
+        _advance_joint(p, v, goal, axis.limits, dt_s)
+        for axis, p, v, goal in zip(axes(config), previous.position, previous.velocity, bound_for, strict=True)
+    ]
+    return [p for p, _ in moved], [v for _, v in moved]
+
+
+def _too_near(
+    previous: Setpoints, position: Sequence[float], velocity: Sequence[float], config: RobotConfig
+) -> dict[int, RobotReason]:
+    """Arms that must brake now, with the reason: else one would come too near, at once or where braking ends.
+
+    Every tick leaves room to brake, so that the next one can: the arms never come nearer than the configured gaps.
+    """
+    if not any(velocity[i] for i in _ARMS):
+        return {}
+    all_axes = axes(config)
+    before = margins_m([previous.position[i] for i in _ARMS], config)
+    rest = [position[i] + velocity[i] * abs(velocity[i]) / (2 * all_axes[i].limits.acceleration) for i in _ARMS]
+    held: dict[int, RobotReason] = {}
+    for pose in ([position[i] for i in _ARMS], rest):
+        for a, b in breaches(before, margins_m(pose, config), config):
+            reason = {TRUNK: RobotReason.BODY_DISTANCE, WORKSPACE: RobotReason.WORKSPACE}.get(
+                b, RobotReason.ARM_DISTANCE
+            )
+            held |= {arm: reason for arm in (a, b) if arm >= 0}
+    return held
 
 
 def latch_estop(previous: Setpoints, on: bool) -> Setpoints:
