@@ -298,6 +298,12 @@ class State(Message):
     latency_ms: dict[str, StageLatency]
     clients: int
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from server.client.show import state_html
+
+        return state_html(self)
+
 
 class EventMessage(Message):
     """Something that happened once, at Unix time t [s]. Never dropped on the way to a client.

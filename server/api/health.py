@@ -10,22 +10,13 @@ from pydantic import BaseModel, Field
 
 from server import wire
 from server.api.deps import EngineDep
+from server.api.models import Health
 from server.api.problems import documented
 from server.engine.engine import Engine
 from server.errors import Refused
 from teleop.software import software_version
 
 router = APIRouter(tags=["operation"])
-
-
-class Health(BaseModel):
-    """The server is up and its engine steps."""
-
-    status: Literal["ok", "degraded"] = Field("ok", description="degraded: the engine has not stepped for too long")
-    version: str
-    step_age_s: float = Field(description="time since the last step of the robot [s]")
-    source: str | None = Field(description="what is playing")
-    fault: str | None = Field(description="why the source gives no frames")
 
 
 class Ready(BaseModel):

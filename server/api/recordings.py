@@ -4,27 +4,15 @@ from __future__ import annotations
 
 from fastapi import APIRouter, UploadFile
 from fastapi.responses import FileResponse
-from pydantic import BaseModel, Field
 
 from server.api.deps import EngineDep, LibraryDep
+from server.api.models import Recording
 from server.api.problems import documented
 from server.errors import Refused
 from server.library import Entry
 from teleop.errors import RecordingError
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
-
-
-class Recording(BaseModel):
-    """One recording of the library. uri: what POST /sessions takes as its source."""
-
-    id: str
-    name: str
-    uri: str
-    bundled: bool
-    size_bytes: int
-    modified: float = Field(description="Unix time [s]")
-    duration_s: float | None = Field(description="null when the file cannot be read")
 
 
 @router.get("")

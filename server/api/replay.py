@@ -6,22 +6,13 @@ from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.deps import EngineDep
+from server.api.models import ReplayState
 from server.api.problems import documented
 from server.engine.engine import Engine
 from server.engine.playback import SPEED_RANGE, Playback
 from server.errors import Refused
 
 router = APIRouter(prefix="/replay", tags=["replay"], responses=documented(409))
-
-
-class ReplayState(BaseModel):
-    """Where the replay stands."""
-
-    paused: bool
-    ended: bool
-    position_s: float
-    speed: float
-    loop: bool
 
 
 class Seek(BaseModel):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, ConfigDict, Field
 
 from server.api.deps import EngineDep, LibraryDep
+from server.api.models import SessionAsk, SessionState
 from server.api.problems import documented
 from server.engine.session import Session
 from server.errors import Refused
@@ -13,37 +13,6 @@ from server.opening import open_named
 from teleop.errors import TeleopError
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
-
-
-class SessionAsk(BaseModel):
-    """What to read."""
-
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"examples": [{"source": "greenhouse_demo", "loop": True, "record": False}]}
-    )
-    source: str = Field(
-        min_length=1,
-        max_length=500,
-        description="name of a recording in the library, or a live source (openni2:, freenect:, realsense:, orbbec:, "
-        "virtual:)",
-    )
-    loop: bool = Field(False, description="start a recording again at its end")
-    record: bool = Field(False, description="record the session to the library")
-
-
-class SessionState(BaseModel):
-    """One session, running or finished. Times are Unix times [s]."""
-
-    id: str
-    source: str
-    kind: str
-    live: bool
-    running: bool
-    started: float
-    ended: float | None
-    duration_s: float | None
-    recording: str | None = Field(description="name of the recording being or having been made")
-    fault: str | None
 
 
 @router.get("")

@@ -1,0 +1,126 @@
+"""The requests of the API as values: no socket, no waiting; both clients send the same ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import httpx
+from pydantic import TypeAdapter
+
+from server import wire
+from server.api.models import Health, Recording, ReplayState, RobotAsk, SessionState
+from server.client.show import Jpeg
+from server.errors import Refused
+from server.jobs import Job
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Generic[T]):
+    """One request and how its answer is read. path: below /api/v1."""
+
+    method: str
+    path: str
+    read: Callable[[httpx.Response], T]
+    json: Any = None
+
+    def answer(self, response: httpx.Response) -> T:
+        """What was asked for. Raises Refused with the server's own words."""
+        if response.is_error:
+            raise refusal(response)
+        return self.read(response)
+
+
+def refusal(response: httpx.Response) -> Refused:
+    """The server's own words; its status line when an intermediary answered."""
+    if response.headers.get("content-type", "").startswith("application/problem+json"):
+        body = response.json()
+        return Refused(response.status_code, str(body["detail"]), body.get("code"))
+    return Refused(response.status_code, f"{response.status_code} {response.reason_phrase}")
+
+
+def _of(kind: type[T]) -> Callable[[httpx.Response], T]:
+    adapter = TypeAdapter(kind)
+    return lambda response: adapter.validate_json(response.content)
+
+
+def _nothing(_: httpx.Response) -> None:
+    return None
+
+
+_STATE, _HEALTH, _ACCESS, _SESSION = _of(wire.State), _of(Health), _of(wire.Access), _of(SessionState)
+_REPLAY, _RECORDING, _JOB = _of(ReplayState), _of(Recording), _of(Job)
+_SESSIONS, _RECORDINGS, _JOBS = _of(list[SessionState]), _of(list[Recording]), _of(list[Job])
+_TREE = _of(dict[str, Any])
+
+HEALTH = Call("GET", "/health", _HEALTH)
+STATE = Call("GET", "/state", _STATE)
+ACCESS = Call("GET", "/access", _ACCESS)
+ENGAGE = Call("POST", "/engage", _nothing)
+DISENGAGE = Call("POST", "/disengage", _nothing)
+ESTOP = Call("POST", "/estop", _nothing)
+ESTOP_RESET = Call("POST", "/estop/reset", _nothing)
+CONFIG = Call("GET", "/config", _TREE)
+SESSIONS = Call("GET", "/sessions", _SESSIONS)
+RECORDINGS = Call("GET", "/recordings", _RECORDINGS)
+JOBS = Call("GET", "/jobs", _JOBS)
+URDF = Call("GET", "/robot/urdf", lambda response: response.text)
+HEAD = Call("GET", "/camera/head.jpg", lambda response: Jpeg(response.content))
+
+
+def lease(action: str, to: str | None = None) -> Call[wire.Access]:
+    """request, release, grant, deny, take."""
+    return Call("POST", f"/lease/{action}", _ACCESS, None if to is None else {"to": to})
+
+
+def command(wanted: Mapping[str, Any]) -> Call[None]:
+    """Raises ValidationError for what cannot be asked of the robot."""
+    return Call("POST", "/robot/command", _nothing, RobotAsk.model_validate(wanted).model_dump(exclude_unset=True))
+
+
+def configure(patch: Mapping[str, Any]) -> Call[dict[str, Any]]:
+    """A partial tree over the settings."""
+    return Call("PATCH", "/config", _TREE, dict(patch))
+
+
+def open_session(source: str, loop: bool, record: bool) -> Call[SessionState]:
+    """A recording of the library, or a live source."""
+    return Call("POST", "/sessions", _SESSION, {"source": source, "loop": loop, "record": record})
+
+
+def close_session(session_id: str) -> Call[None]:
+    """End a session."""
+    return Call("DELETE", f"/sessions/{session_id}", _nothing)
+
+
+def replay(action: str, body: Mapping[str, Any] | None = None) -> Call[ReplayState]:
+    """play, pause, seek, speed, loop."""
+    return Call("POST", f"/replay/{action}", _REPLAY, body)
+
+
+def delete_recording(recording_id: str) -> Call[None]:
+    """Remove an own recording."""
+    return Call("DELETE", f"/recordings/{recording_id}", _nothing)
+
+
+def read_recording(response: httpx.Response) -> Recording:
+    """The answer to an upload. Raises Refused."""
+    return Call("POST", "/recordings", _RECORDING).answer(response)
+
+
+def job(job_id: str) -> Call[Job]:
+    """One long job as it stands."""
+    return Call("GET", f"/jobs/{job_id}", _JOB)
+
+
+def cancel_job(job_id: str) -> Call[Job]:
+    """Tell a long job to end."""
+    return Call("DELETE", f"/jobs/{job_id}", _JOB)
+
+
+def any_call(method: str, path: str, body: Any = None) -> Call[Any]:
+    """A route that has no method here; the answer as plain JSON."""
+    return Call(method, path, lambda response: response.json() if response.content else None, body)
