@@ -19,6 +19,7 @@ from teleop.frames import DepthFrame
 from teleop.inputs import Inputs
 from teleop.intent_types import Event, Mode
 from teleop.kernel import apply_request
+from teleop.onsets import Onsets, step_onsets
 from teleop.pipeline import Pipeline, PipelineOutput
 from teleop.reasons import Reason
 from teleop.recording.recorded import RecordedPose
@@ -80,6 +81,7 @@ class Core:
         self._received_s: float | None = None
         self._stepped_s = clock()
         self._silence: tuple[str, ...] = ()
+        self._onsets = Onsets()
         self._reset_due = False
 
     def configure(self, settings: Settings) -> None:
@@ -138,7 +140,7 @@ class Core:
             command,
             robot,
             inputs,
-            output.events,
+            self._told(output.events, command, robot, now_s),
             arrived.received_s,
             fresh=True,
             told=told,
@@ -181,6 +183,7 @@ class Core:
                 command = replace(command, reasons=(*command.reasons, refusal))
                 events = (*events, Event(self._t_ns, "refused", refusal))
         robot = self._move(command, told)
+        events = self._told(events, command, robot, now_s)
         frame, output, received_s = (last.frame, last.output, last.received_s) if last else (None, None, None)
         recorded = last.recorded if last else None
         return Moment(frame, output, command, robot, inputs, events, received_s, False, told, recorded)
@@ -217,6 +220,14 @@ class Core:
         self._silence = stopping
         return tuple(Event(self._t_ns, "watchdog", code) for code in stopping)
 
+    def _told(
+        self, events: tuple[Event, ...], command: RobotCommand, robot: RobotState, now_s: float
+    ) -> tuple[Event, ...]:
+        """The step's events, with one for every reason of command or robot that begins now."""
+        codes = (*command.reasons, *robot.reasons)
+        begun, self._onsets = step_onsets(self._onsets, codes, events, self._t_ns, now_s)
+        return (*events, *begun)
+
     def _press(self, stop: Inputs) -> tuple[Event, ...]:
         """The e-stop, or its reset, between two frames: control and mode follow at once, the last command is void."""
         intent, self._state = self._pipeline.press(self._t_ns, self._state, stop)
@@ -244,6 +255,7 @@ class Core:
             self.pending.estop = True  # what began anew must learn it again
         self._state = self._pipeline.initial_state()
         self._stepped_s, self._silence, self._reset_due = told.now_s, (), False
+        self._onsets = Onsets()
 
     def _move(self, command: RobotCommand, told: StepContext) -> RobotState:
         # from begin of step to begin of step: how long tracking took is no part of the robot's time
