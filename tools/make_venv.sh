@@ -21,4 +21,4 @@ if [ ! -x "$venv/bin/python" ]; then
 fi
 echo "setup: installing Python packages into $venv (a few minutes the first time)"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-    --constraint constraints.txt --editable '.[dev,train,sensors,cluster]'
+    --constraint constraints.txt --editable '.[dev,train,sensors,cluster,datasets]'

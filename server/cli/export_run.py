@@ -15,9 +15,16 @@ from teleop.frames import DepthFrame
 from teleop.pipeline import Pipeline
 from teleop.recording import McapSource, topics
 from teleop.recording.csv_table import csv_columns, csv_values
+from teleop.recording.lerobot_features import Vectors
+from teleop.recording.lerobot_writer import LeRobotWriter
+from teleop.recording.recorded import RecordedRobot
 from teleop.recording.video import VideoWriter, overlay
 from teleop.sources.base import Source
 from teleop.track_row import track_row
+
+_GAP_S = 1.0
+"""A longer one between two frames begins another episode."""
+_USUAL_HZ = 30
 
 Tracked = Iterator[tuple[DepthFrame, dict[str, Any]]]
 
@@ -66,3 +73,35 @@ def write_video(path: Path, pairs: Tracked, rate_hz: float, on_frame: Callable[[
     finally:
         video.close()
     return count
+
+
+def write_lerobot(
+    folder: Path, source: Source, pairs: Tracked, task: str, on_frame: Callable[[DepthFrame], None]
+) -> int:
+    """A LeRobot dataset with depth as it is; returns the number of frames. Raises RecordingError."""
+    robot = RecordedRobot(source) if isinstance(source, McapSource) else None
+    vectors: Vectors | None = None
+    writer: LeRobotWriter | None = None
+    last_ns = count = 0
+    for frame, row in pairs:
+        pose = robot.at(frame.t_ns) if robot else None
+        if writer is None or vectors is None:
+            vectors = Vectors(tuple(pose.joint_rad) if pose else ())
+            writer = LeRobotWriter(folder, _rate_hz(source), task, vectors.names())
+        elif frame.t_ns - last_ns > _GAP_S * 1e9:
+            writer.end_episode()
+        last_ns = frame.t_ns
+        writer.write(frame, vectors.of(row, pose))
+        count += 1
+        on_frame(frame)
+    if writer is not None:
+        writer.close()
+    return count
+
+
+def _rate_hz(source: Source) -> int:
+    """Whole frames a second, which is what a dataset can have."""
+    count, duration_s = source.info.frame_count, source.info.duration_s
+    if not count or not duration_s or count < 2:
+        return _USUAL_HZ
+    return max(1, round((count - 1) / duration_s))

@@ -16,6 +16,7 @@ from teleop.recording.writer import McapWriter
 from teleop.sources.base import Source
 
 _FILES = (".mcap", ".csv", ".mp4")
+_DATASET_CONTENT = ("data", "videos", "meta")
 _FOLDER_CONTENT = ("depth", "rgb", "depth.txt", "rgb.txt", "camera.json", "INDEX.txt")
 
 
@@ -51,21 +52,21 @@ def convert(
         raise RecordingError(f"{source.info.uri} is live and has no end; say how many seconds to take")
     refuse_overwrite(output, source, force)
     partial = output.with_name(output.name + ".partial")
-    _remove(partial)
+    remove(partial)
     count = 0
     try:
         count = _copy(source, open_sink(partial, output, source, color), color, from_s, seconds, on_frame)
         if count == 0:
             raise RecordingError(f"{source.info.uri} has no frames from {from_s} s on; nothing was written")
         if force:
-            _remove(output)
+            remove(output)
         elif output.is_dir():
             output.rmdir()
         partial.replace(output)
     except OSError as error:
         raise RecordingError(f"cannot write {output}: {error.strerror or error}") from None
     finally:
-        _remove(partial)
+        remove(partial)
     return count
 
 
@@ -94,13 +95,18 @@ def refuse_overwrite(output: Path, source: Source, force: bool) -> None:
         if output.is_dir():
             raise RecordingError(f"{output} is a folder; choose another name")
         return
-    foreign = [p.name for p in output.iterdir() if not _is_ours(p)] if output.is_dir() else [output.name]
+    ours = _is_dataset if output.suffix.lower() == ".lerobot" else _is_ours
+    foreign = [p.name for p in output.iterdir() if not ours(p)] if output.is_dir() else [output.name]
     if foreign:
         raise RecordingError(f"{output} holds more than images of a session ({foreign[0]}); it is not replaced")
 
 
 def _is_ours(path: Path) -> bool:
     return path.name in _FOLDER_CONTENT or (path.name[:2] in ("d-", "r-") and path.suffix in (".pgm", ".ppm"))
+
+
+def _is_dataset(path: Path) -> bool:
+    return path.name in _DATASET_CONTENT
 
 
 def _copy(
@@ -127,8 +133,8 @@ def _copy(
     return count
 
 
-def _remove(path: Path) -> None:
-    """Remove a file or a folder that convert itself wrote."""
+def remove(path: Path) -> None:
+    """Remove a file or a folder that was written here, if it is there."""
     if path.is_dir():
         shutil.rmtree(path)
     else:
