@@ -43,8 +43,6 @@ export class Banner implements Panel {
   private readonly ringOffset = new Attribute(this.ring, "stroke-dashoffset");
   private readonly modeText = new Text(h("strong", { class: "mode" }));
   private readonly reason = new Text(h("span", { class: "reason" }));
-  private readonly zone = new Text(h("b"));
-  private readonly drive = new Text(h("b"));
   private readonly link = h("span", { class: "link", "data-link": "connecting" });
   private readonly engage = titled(h("button", { class: "button engage", type: "button" }), "button.engage.title");
   private readonly reset = titled(h("button", { class: "button reset", type: "button" }), "button.reset.title");
@@ -72,12 +70,6 @@ export class Banner implements Panel {
       { class: "banner", "data-mode": "no_person" },
       h("div", { class: "sign" }, ring, this.glyph),
       h("div", { class: "words", role: "status", "aria-live": "polite" }, this.modeText.element, this.reason.element),
-      h(
-        "div",
-        { class: "facts" },
-        h("span", {}, translated(h("small"), "zone.label"), this.zone.element),
-        h("span", {}, h("small", {}, "v, ω"), this.drive.element),
-      ),
       h("div", { class: "side" }, h("div", { class: "who" }, this.link, lease), tools),
       h("div", { class: "actions", "data-commands": true }, this.engage, this.reset),
       stop,
@@ -113,17 +105,8 @@ export class Banner implements Panel {
     setIcon(this.glyph, ICONS[mode]);
     const progress = state.engage_progress > 0 && state.engage_progress < 1 ? state.engage_progress : state.engaged ? 1 : 0;
     this.ringOffset.set((RING_LENGTH * (1 - progress)).toFixed(0));
-    this.zone.set(t(`zone.${state.zone}`));
-    const { drive_m_s, turn_rad_s } = state.robot;
-    // A tiny negative speed must not flicker between 0.00 and -0.00.
-    this.drive.set(`${tidy(drive_m_s)} m/s  ${tidy((turn_rad_s * 180) / Math.PI, 0)}°/s`);
     this.engaged = state.engaged;
     this.allowReset(estop || state.mode === "stopped");
     this.engageText.set(t(state.engaged ? "button.disengage" : "button.engage"));
   }
-}
-
-function tidy(value: number, digits = 2): string {
-  const text = value.toFixed(digits);
-  return Number(text) === 0 ? (0).toFixed(digits) : text;
 }

@@ -10,6 +10,7 @@ export class ScenePanel implements Panel {
   readonly element: HTMLElement;
   private readonly box = h("div", { class: "scene-box" });
   private readonly note = new Text(h("p", { class: "scene-note" }));
+  private readonly speed = new Text(h("p", { class: "scene-speed" }));
   private readonly cost = new Text(h("span", { class: "scene-cost" }));
   private readonly followButton = translated(h("button", { class: "chip", type: "button" }), "scene.follow");
   private readonly homeButton = translated(h("button", { class: "chip", type: "button" }), "scene.home");
@@ -21,7 +22,7 @@ export class ScenePanel implements Panel {
   constructor() {
     const { element, tools } = frame("scene", "panel.scene", this.box);
     this.element = element;
-    this.box.append(this.note.element);
+    this.box.append(this.note.element, this.speed.element);
     // In a tab of its own: the console with its stop button stays.
     const studies = translated(h("a", { class: "chip", href: "./motion.html", target: "_blank" }), "scene.studies");
     tools.append(this.cost.element, studies, this.followButton, this.homeButton);
@@ -76,6 +77,8 @@ export class ScenePanel implements Panel {
   }
 
   state(state: State): void {
+    const { drive_m_s, turn_rad_s } = state.robot;
+    this.speed.set(`${tidy(drive_m_s, 2)} m/s   ${tidy((turn_rad_s * 180) / Math.PI, 0)}°/s`);
     this.stage?.state(state);
   }
 
@@ -88,4 +91,10 @@ export class ScenePanel implements Panel {
   restyle(): void {
     this.stage?.restyle();
   }
+}
+
+/** A tiny negative number must not flicker between 0.00 and -0.00. */
+function tidy(value: number, digits: number): string {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text;
 }
