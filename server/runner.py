@@ -79,7 +79,7 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
     from server.app import create_app
     from server.engine.engine import Engine
     from server.library import Library
-    from server.opening import open_path
+    from server.opening import located, open_path
     from server.settings import bundled_recordings
     from server.stream.hub import Hub
     from teleop.body.model import load_model
@@ -87,9 +87,10 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
     from teleop.recording.repair import repair_folder
     from teleop.sources import open_source
 
+    library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
     waits_for_sender = settings.source.lower().startswith("push:")
     if settings.source and not waits_for_sender:
-        open_source(settings.source).close()
+        open_source(located(library, settings.source)).close()
     tell("reading the body model")
     tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
     tell("building the greenhouse" if settings.drives == "pybullet:" else "calling the robot")
@@ -97,7 +98,6 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
         world = open_robot(settings.drives, settings.robot)
     tokens, shown = load_tokens(settings.access.file, renew=new_tokens)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
-    library = Library(settings.library, bundled_recordings(), settings.upload.recording_mb * 1_000_000)
     for line in repair_folder(settings.library):
         _log.warning(line)
     engine = Engine(settings, tracker, world, hub)

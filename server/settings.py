@@ -43,8 +43,10 @@ def default_operators() -> Path:
 
 
 def bundled_recordings() -> Path:
-    """The recordings that come with the project; read only."""
-    return Path(__file__).resolve().parents[1] / "recordings"
+    """The recordings that come with the project, read only: inside an installed package, else in the source tree."""
+    here = Path(__file__).resolve().parent
+    installed = here / "recordings"
+    return installed if installed.is_dir() else here.parent / "recordings"
 
 
 class StreamConfig(Section):

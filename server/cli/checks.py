@@ -12,13 +12,14 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
+from server.settings import bundled_recordings
 from teleop.errors import TeleopError
 from teleop.sources.probe import KINDS, Probe, probe
 from teleop.sources.usb import SENSOR_USB, has_udev_rule, plugged_in
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 CONSOLE: Final = ROOT / "server" / "console" / "index.html"
-BUNDLED: Final = ROOT / "recordings" / "greenhouse_demo.mcap"
+BUNDLED: Final = bundled_recordings() / "greenhouse_demo.mcap"
 GROUPS: Final = ("plugdev", "video")
 
 INSTALL: Final = {

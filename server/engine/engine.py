@@ -35,6 +35,7 @@ from teleop.sources.base import Source
 
 T = TypeVar("T")
 _KEPT_SESSIONS = 50
+_OPENED_S = 10.0
 CALL_TIMEOUT_S = 10.0
 """Longest wait for the engine between two steps; only a dead engine needs more."""
 
@@ -60,6 +61,7 @@ class Engine(threading.Thread):
         self._sessions: deque[Session] = deque(maxlen=_KEPT_SESSIONS)
         self._switching = threading.Lock()
         self._stopping = False
+        self._audits: deque[tuple[float, str, str]] = deque(maxlen=8)
         self._head_s = 0.0
         self._reported: str | None = None
         self.frames = 0
@@ -194,6 +196,7 @@ class Engine(threading.Thread):
         """Tell the recording that is being made who did what. Does nothing while the server shuts down."""
 
         def work() -> None:
+            self._audits.append((time.monotonic(), action, detail))
             session = self._session
             if session is not None and session.recorder is not None:
                 session.recorder.audit(action, detail)
@@ -277,6 +280,9 @@ class Engine(threading.Thread):
         self.ledger.clear()
         self._session = self.publisher.session = session
         self._sessions.append(session)
+        for at_s, action, detail in self._audits:
+            if session.recorder is not None and time.monotonic() - at_s < _OPENED_S:
+                session.recorder.audit(action, detail)  # who opened it
         self._say_hello()
         self.publisher.announce("source", "source.opened", session.name)
 
