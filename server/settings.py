@@ -16,6 +16,8 @@ from server.errors import SettingsError
 from server.refusals import explain
 from teleop.config import OperatorConfig, TeleopConfig
 from teleop.config.base import Section
+from teleop.config.recording import RecordingConfig
+from teleop.config.sensor import SensorConfig
 from teleop.profiles import ProfileStore
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -153,6 +155,8 @@ class Settings(Section):
     access: AccessConfig = Field(default_factory=AccessConfig)
     tls_cert: Path | None = Field(default=None, description="PEM file with the certificate chain; needs tls_key")
     tls_key: Path | None = Field(default=None, description="PEM file with the certificate's private key")
+    recording: RecordingConfig = Field(default_factory=RecordingConfig)
+    sensor: SensorConfig = Field(default_factory=SensorConfig)
     teleop: TeleopConfig = Field(default_factory=TeleopConfig)
     robot: RobotConfig = Field(default_factory=RobotConfig)
 

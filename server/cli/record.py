@@ -28,14 +28,14 @@ def record(
     from server.settings import load_settings, with_operator
     from teleop.errors import RecordingError
     from teleop.recording.convert import refuse_overwrite
-    from teleop.sources import open_source
+    from teleop.sources.reconnect import open_lasting
 
     if output.suffix.lower() != ".mcap":
         raise typer.BadParameter(f"a recording is named NAME.mcap, not {output.name}; other formats: teleop convert")
     settings = load_settings(config)
     if operator is not None:
         settings = with_operator(settings, operator)
-    opened = open_source(source)
+    opened = open_lasting(source, settings.sensor.retry_s)
     count = 0
     try:
         refuse_overwrite(output, opened, force)
@@ -53,7 +53,8 @@ def record(
                 advance(frame)  # type: ignore[arg-type]
 
             try:
-                record_session(opened, output, settings, RecordOptions(seconds, color, engage), on_frame)
+                options = RecordOptions(seconds, color, engage)
+                record_session(opened, output, settings, options, on_frame, lambda text: typer.echo(text, err=True))
             except KeyboardInterrupt:
                 typer.echo("stopped", err=True)  # what was recorded until then is complete
     finally:

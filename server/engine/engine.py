@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from robot_sim.commands import stop_command
-from robot_sim.world import World
+from robot_sim.link.robot_link import RobotLink
 from server import wire
 from server.engine.core import Core, Moment
 from server.engine.hello import hello
@@ -43,7 +43,7 @@ CALL_TIMEOUT_S = 10.0
 class Engine(threading.Thread):
     """Everything that moves. Its methods may be called from any thread; the work happens in this one."""
 
-    def __init__(self, settings: Settings, tracker: BodyTracker, world: World, hub: Hub) -> None:
+    def __init__(self, settings: Settings, tracker: BodyTracker, world: RobotLink, hub: Hub) -> None:
         super().__init__(name="engine", daemon=True)
         self.boot = uuid.uuid4().hex[:12]
         """Differs from one start of the server to the next."""
@@ -133,7 +133,14 @@ class Engine(threading.Thread):
                 recorder = None
                 if record_to is not None:
                     told = describe(self._settings, self._tracker.model, self._core.world)
-                    recorder = SessionRecorder(record_to, source.info, self._urdf, self.publisher.event, told)
+                    recorder = SessionRecorder(
+                        record_to,
+                        source.info,
+                        self._urdf,
+                        self.publisher.event,
+                        told,
+                        config=self._settings.recording,
+                    )
                 self._tracker.warm_up(source.info.camera)
             except TeleopError:
                 source.close()
@@ -238,17 +245,29 @@ class Engine(threading.Thread):
     def _on_frame(self, arrived: Arrived) -> Moment:
         session = self._session
         self.frames += 1
+        self._tell_fault(session)
         return self._core.on_frame(
             arrived, live=session is None or session.info.live, speed=session.speed if session else 1.0
         )
 
     def _on_silence(self) -> Moment:
         session = self._session
-        fault = session.fault if session else None
-        if fault is not None and fault != self._reported:
-            self.publisher.announce("source", "stop.source_failed", fault)
-        self._reported = fault
+        fault = self._tell_fault(session)
         return self._core.on_silence(source_failed=fault is not None, speed=session.speed if session else 1.0)
+
+    def _tell_fault(self, session: Session | None) -> str | None:
+        """Why the source gives no frames, told once when it begins and once when it ends."""
+        fault = session.fault if session else None
+        if session is None or fault == self._reported:
+            return fault
+        self._reported = fault
+        reason = "source.camera_back" if fault is None else "stop.source_failed"
+        if fault is not None and session.info.live:
+            reason = "source.camera_lost"
+        self.publisher.announce("source", reason, fault or session.name)
+        if session.recorder is not None:
+            session.recorder.note("source", reason, fault or session.name)
+        return fault
 
     def _publish(self, moment: Moment) -> None:
         session = self._session
@@ -258,7 +277,7 @@ class Engine(threading.Thread):
             self.publisher.coverage(self._core.world.wet_leaves)
         if session is not None and session.recorder is not None and session.recording_now:
             session.recording_now = session.recorder.write(moment)
-            if not session.recording_now:
+            if not session.recording_now and session.recorder.status.error is None:
                 self.publisher.announce("recording", "recording.completed", session.recorder.name)
         now_s = time.monotonic()
         if ImageKind.HEAD in self._hub.wanted and now_s - self._head_s >= 1.0 / self._settings.stream.head_hz:
@@ -278,6 +297,7 @@ class Engine(threading.Thread):
         self._mailbox.clear()
         self._core.forget(reset_robot=session.recorder is not None)
         self.ledger.clear()
+        self._reported = None
         self._session = self.publisher.session = session
         self._sessions.append(session)
         for at_s, action, detail in self._audits:

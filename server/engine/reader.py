@@ -7,12 +7,14 @@ import time
 
 from server.engine.mailbox import Arrived, Mailbox
 from server.engine.playback import Playback, Turn
+from server.engine.recording import SessionRecorder
 from teleop.errors import TeleopError
 from teleop.frames import DepthFrame
 from teleop.recording import McapSource
 from teleop.recording.recorded import RecordedModes, RecordedRobot
 from teleop.sources.base import Source
-from teleop.sources.jpeg import through_jpeg
+from teleop.sources.reconnect import Reconnecting
+from teleop.sources.statistics import FrameStatistics
 
 _TAKE_OVER_FRAMES = 10
 """After a jump into the middle of a recorded session: time for the tracker to find the operator again."""
@@ -21,16 +23,34 @@ _TAKE_OVER_FRAMES = 10
 class Reader(threading.Thread):
     """Owns the source from now on, and closes it."""
 
-    def __init__(self, source: Source, playback: Playback, mailbox: Mailbox, recorded: bool = False) -> None:
-        """recorded: frames are handed on as the recording will give them back."""
+    def __init__(
+        self, source: Source, playback: Playback, mailbox: Mailbox, recorder: SessionRecorder | None = None
+    ) -> None:
+        """recorder: frames are handed on as the recording will give them back, and live ones recorded here.
+
+        So a sensor's frame that the engine has no time for is in the recording all the same.
+        """
         super().__init__(name="source-reader", daemon=True)
         self._source = source
         self._playback = playback
         self._mailbox = mailbox
-        self._settle = through_jpeg if recorded else _as_it_is
+        self._recorder = recorder
         self._stopping = threading.Event()
-        self.fault: str | None = None
-        """Why the source gives no more frames, in one line."""
+        self._ended: str | None = None
+        self.statistics = FrameStatistics()
+        if isinstance(source, Reconnecting):
+            source.on_change = self._changed
+
+    @property
+    def fault(self) -> str | None:
+        """Why the source gives no frames just now, or no more, in one line."""
+        away = self._source.fault if isinstance(self._source, Reconnecting) else None
+        return self._ended or away
+
+    @property
+    def comes_back(self) -> bool:
+        """Whether the fault ends by itself when the sensor is there again."""
+        return self._ended is None
 
     def stop(self, timeout_s: float = 3.0) -> None:
         """End the thread. A live source that blocks is closed under it after ``timeout_s``."""
@@ -50,7 +70,7 @@ class Reader(threading.Thread):
                 self._recorded()
         except (TeleopError, OSError) as error:
             if not self._stopping.is_set():
-                self.fault = str(error)
+                self._ended = str(error)
                 self._mailbox.wake()
         finally:
             self._source.close()
@@ -60,10 +80,16 @@ class Reader(threading.Thread):
         for frame in self._source.frames():
             if self._stopping.is_set():
                 return
+            received_s = time.monotonic()
+            self.statistics.add(frame, received_s)
             first_ns = frame.t_ns if first_ns is None else first_ns
-            self._mailbox.put(Arrived(self._settle(frame), time.monotonic(), (frame.t_ns - first_ns) * 1e-9))
+            settled = self._settle(frame)
+            if self._recorder is not None:
+                self._recorder.receive(settled)
+            self._mailbox.put(Arrived(settled, received_s, (frame.t_ns - first_ns) * 1e-9))
         if not self._stopping.is_set():
-            self.fault = "the source gives no more frames; check its cable, then open it again"
+            self._ended = "the source gives no more frames; check its cable, then open it again"
+            self._mailbox.wake()
 
     def _recorded(self) -> None:
         first_ns: int | None = None
@@ -100,6 +126,10 @@ class Reader(threading.Thread):
         else:
             self._mailbox.hand_over(arrived, self._stopping.is_set)
 
+    def _settle(self, frame: DepthFrame) -> DepthFrame:
+        return frame if self._recorder is None else self._recorder.settle(frame)
 
-def _as_it_is(frame: DepthFrame) -> DepthFrame:
-    return frame
+    def _changed(self) -> None:
+        if self.fault is not None:
+            self.statistics.interrupted()
+        self._mailbox.wake()

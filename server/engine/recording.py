@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,13 +12,16 @@ from robot_sim.link.robot_link import RobotLink
 from server.engine.core import Moment
 from server.settings import Settings
 from teleop.body.model import BodyModel
+from teleop.config.recording import RecordingConfig
+from teleop.frames import DepthFrame
 from teleop.intent_types import Event
 from teleop.recording import topics
 from teleop.recording.identity import identity
 from teleop.recording.inputs_json import inputs_to_json
-from teleop.recording.recorder import AsyncRecorder
+from teleop.recording.recorder import AsyncRecorder, RecorderStatus
 from teleop.recording.writer import McapWriter
 from teleop.sources.base import SourceInfo
+from teleop.sources.jpeg import through_jpeg
 from teleop.track_row import track_row
 
 
@@ -41,10 +45,15 @@ def settings_json(settings: Settings) -> dict[str, Any]:
     return settings.model_dump(mode="json", include={"engine", "teleop"})
 
 
+_REMEMBERED = 300
+"""Live frames whose fate is remembered until the engine has taken them; the mailbox holds one."""
+
+
 class SessionRecorder:
     """Opens the file at once, so that a wrong folder is known before the session starts. Raises RecordingError.
 
-    lossless: ``write`` waits for the disk instead of dropping frames, for sources that wait too.
+    A recorded source's frames are written with their step, and ``lossless`` waits for the disk instead of dropping
+    any; a live one's by who receives them, so that none is missing which the engine had no time for.
     """
 
     def __init__(
@@ -55,11 +64,21 @@ class SessionRecorder:
         on_event: Callable[[Event], None],
         description: Mapping[str, str],
         lossless: bool = False,
+        config: RecordingConfig | None = None,
     ) -> None:
+        self._config = config or RecordingConfig()
         writer = McapWriter(
-            path, info.camera, source_uri=info.uri, urdf=urdf, color=info.has_color, metadata=description
+            path,
+            info.camera,
+            source_uri=info.uri,
+            urdf=urdf,
+            color=info.has_color,
+            metadata=description,
+            config=self._config,
         )
-        self._recorder = AsyncRecorder(writer, on_event=on_event, lossless=lossless)
+        self._recorder = AsyncRecorder(writer, capacity=self._config.queue_frames, on_event=on_event, lossless=lossless)
+        self._live = info.live
+        self._stored: OrderedDict[int, bool] = OrderedDict()
         self._last_ns: int | None = None
         self._waiting: dict[str, Any] | None = None
         self._audits: list[tuple[str, str]] = []
@@ -71,11 +90,39 @@ class SessionRecorder:
         """Why nothing more is written."""
         return self._recorder.status.error
 
+    @property
+    def status(self) -> RecorderStatus:
+        """Counts of what was written and dropped."""
+        return self._recorder.status
+
+    @property
+    def thread_id(self) -> int | None:
+        """The system's number of the writing thread."""
+        return self._recorder.thread_id
+
+    def settle(self, frame: DepthFrame) -> DepthFrame:
+        """The frame as the recording gives it back, so that what is computed from it can be computed again."""
+        return through_jpeg(frame, self._config.jpeg_quality) if self._config.color else frame.without_color()
+
+    def receive(self, frame: DepthFrame) -> None:
+        """Record a live frame at once; called by the thread that reads the source."""
+        if self._closed:
+            return
+        self._stored[frame.t_ns] = self._recorder.write_frame(frame)
+        while len(self._stored) > _REMEMBERED:
+            self._stored.popitem(last=False)
+
+    def note(self, kind: str, reason: str, detail: str) -> None:
+        """Record an event of the server's own; before the first frame there is nothing to record it with."""
+        if not self._closed and self._last_ns is not None:
+            self._recorder.write_event(Event(self._last_ns, kind, reason, detail))
+
     def write(self, moment: Moment) -> bool:
         """Record one step. False when the recording is over: its source began again, or the disk gave up."""
         if self._closed:
             return False
         frame, output = moment.frame, moment.output
+        stored = False
         later = self._last_ns is None or (frame is not None and frame.t_ns > self._last_ns)
         if moment.fresh and not later and output is not None and output.accepted:
             self.close()  # a recording knows one run of time; a loop or a jump back is another one
@@ -84,7 +131,7 @@ class SessionRecorder:
             t_ns = self._last_ns = frame.t_ns
             self._write_waiting(t_ns)
             self._write_audits(t_ns)
-            self._recorder.write_frame(frame)
+            stored = self._stored.get(t_ns, False) if self._live else self._recorder.write_frame(frame)
             self._recorder.write_skeleton(t_ns, output.track.skeleton)
             self._recorder.write_row(t_ns, track_row(output.track, output.intent, moment.command))
             self._recorder.write_robot(t_ns, moment.robot)
@@ -92,7 +139,7 @@ class SessionRecorder:
             return True  # nothing before the first frame counts: the robot begins from its start there
         for event in moment.events:
             self._recorder.write_event(event)
-        self._recorder.write_input(self._last_ns, _inputs_row(moment, stored=moment.fresh and later))
+        self._recorder.write_input(self._last_ns, _inputs_row(moment, stored))
         return self._recorder.status.error is None
 
     def write_settings(self, settings: Settings) -> None:

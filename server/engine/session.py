@@ -58,7 +58,7 @@ def new_session(
 ) -> Session:
     """A session over an open source; nothing is read until its reader is started."""
     playback = Playback(loop, source.info.duration_s)
-    reader = Reader(source, playback, mailbox, recorded=recorder is not None)
+    reader = Reader(source, playback, mailbox, recorder)
     return Session(
         uuid.uuid4().hex[:12],
         name,

@@ -83,20 +83,25 @@ class AsyncRecorder:
                 self._error,
             )
 
-    def write_frame(self, frame: DepthFrame) -> None:
-        """Depth is dropped only when the queue is full; colour from half full on."""
+    @property
+    def thread_id(self) -> int | None:
+        """The system's number of the writing thread."""
+        return self._thread.native_id
+
+    def write_frame(self, frame: DepthFrame) -> bool:
+        """Depth is dropped only when the queue is full; colour from half full on. Whether depth is kept."""
         with self._changed:
             if self._lossless:
                 self._changed.wait_for(lambda: not self._pressed())
             if self._frames_queued >= self._capacity:
                 self._frames_dropped += 1
                 self._report_drop(frame.t_ns, "depth")
-                return
+                return False
             if frame.color_rgb is not None and self._pressed():
                 frame = frame.without_color()
                 self._colors_dropped += 1
                 self._report_drop(frame.t_ns, "colour")
-            self._put(True, frame.t_ns, lambda: self._writer.write_frame(frame))
+            return self._put(True, frame.t_ns, lambda: self._writer.write_frame(frame))
 
     def write_skeleton(self, t_ns: int, skeleton: Skeleton | None) -> None:
         """Dropped from half full on: the track rows hold the same joints."""
@@ -148,13 +153,14 @@ class AsyncRecorder:
         with self._changed:
             self._put(False, t_ns, work)
 
-    def _put(self, is_frame: bool, t_ns: int, work: Callable[[], None]) -> None:
+    def _put(self, is_frame: bool, t_ns: int, work: Callable[[], None]) -> bool:
         """Queue one write; the lock is held. After an error or ``close`` it is left out: the status says so."""
         if self._error is not None or self._closing:
-            return
+            return False
         self._work.append((is_frame, t_ns, work))
         self._frames_queued += is_frame
         self._changed.notify_all()
+        return True
 
     def _report_drop(self, t_ns: int, what: str) -> None:
         """Queue one event per stretch of pressure; the lock is held."""

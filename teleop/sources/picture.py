@@ -6,7 +6,7 @@ A few bytes can claim to be an image of gigabytes; OpenCV would set the memory a
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -25,7 +25,7 @@ def image_size(data: bytes) -> tuple[int, int] | None:
     return jpeg_size(data)
 
 
-def decode_image(data: bytes, flags: int) -> npt.NDArray[np.generic] | None:
+def decode_image(data: bytes, flags: int) -> npt.NDArray[Any] | None:
     """The image as ``cv2.imdecode`` gives it, or None: no PNG or JPEG, damaged, or over 8192 pixels a side."""
     size = image_size(data)
     if size is None or not (0 < size[0] <= MAX_SIDE and 0 < size[1] <= MAX_SIDE):
@@ -36,7 +36,7 @@ def decode_image(data: bytes, flags: int) -> npt.NDArray[np.generic] | None:
         return None
 
 
-def read_image(path: Path, flags: int) -> npt.NDArray[np.generic] | None:
+def read_image(path: Path, flags: int) -> npt.NDArray[Any] | None:
     """The image of a file, or None when it cannot be read as one."""
     try:
         with path.open("rb") as file:

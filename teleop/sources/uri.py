@@ -51,28 +51,15 @@ def _open_path(uri: str, path: Path) -> Source:
     return McapSource(path)
 
 
-def _openni2(argument: str) -> Source:
-    from teleop.sources.openni2 import OpenNI2Source
+def _driver(kind: str) -> Callable[[str], Source]:
+    """A sensor's library lives in a process of its own."""
 
-    return OpenNI2Source(argument)
+    def open_driver(argument: str) -> Source:
+        from teleop.sources.driver_process import DriverProcess
 
+        return DriverProcess(kind, argument)
 
-def _freenect(argument: str) -> Source:
-    from teleop.sources.freenect import FreenectSource
-
-    return FreenectSource(argument)
-
-
-def _realsense(argument: str) -> Source:
-    from teleop.sources.realsense import RealSenseSource
-
-    return RealSenseSource(argument)
-
-
-def _orbbec(argument: str) -> Source:
-    from teleop.sources.orbbec import OrbbecSource
-
-    return OrbbecSource(argument)
+    return open_driver
 
 
 def _push(argument: str) -> Source:
@@ -88,10 +75,10 @@ def _virtual(argument: str) -> Source:
 
 
 _OPENERS: Final[dict[str, Callable[[str], Source]]] = {
-    "openni2": _openni2,
-    "freenect": _freenect,
-    "realsense": _realsense,
-    "orbbec": _orbbec,
+    "openni2": _driver("openni2"),
+    "freenect": _driver("freenect"),
+    "realsense": _driver("realsense"),
+    "orbbec": _driver("orbbec"),
     "push": _push,
     "virtual": _virtual,
 }

@@ -12,9 +12,10 @@ from teleop.sources.probe import KINDS, Probe, probe
 OPEN = """
 import sys
 from teleop.errors import SourceError
-from teleop.sources import open_source
+from teleop.sources.driver_worker import DRIVERS
 try:
-    open_source(sys.argv[1])
+    kind, _, argument = sys.argv[1].partition(":")
+    DRIVERS[kind](argument)
 except SourceError as error:
     print("\\nSAID", error, flush=True)
 """
@@ -71,7 +72,7 @@ def test_a_file_that_is_none(kind: str, suffix: str, tmp_path_factory: pytest.Te
     path.write_bytes(b"this is no recording " * 500)
     if probe(kind).library is None:
         pytest.skip(f"the {kind} library is not installed here")
-    assert "cannot" in said(str(path))
+    assert "cannot" in said(f"{kind}:{path}")
 
 
 def test_a_probe_that_crashes_or_hangs_is_a_problem_not_an_exception(monkeypatch: pytest.MonkeyPatch) -> None:
