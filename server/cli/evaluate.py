@@ -18,6 +18,7 @@ def evaluate(
     frames: Annotated[
         int, typer.Option(min=10, max=100_000, help="Frames of a setting; the rest in proportion.")
     ] = 100,
+    seed: Annotated[int, typer.Option(min=0, max=10_000, help="Another seed: other people, poses and rooms.")] = 0,
     only: Annotated[str, typer.Option(help=f"Sections, separated by commas: {NAMES}.")] = "all",
     plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw the plots (needs the extra train).")] = True,
     kept: Annotated[
@@ -54,8 +55,8 @@ def evaluate(
                 tasks[name] = bars.add_task(name, total=1.0)
             bars.update(bars.task_ids[tasks[name]], completed=share)
 
-        result = evaluate_model(model, names, frames, store, progress, load_settings(None).teleop)
-    asked = f"teleop evaluate --frames {frames}" + ("" if only == "all" else f" --only {only}")
+        result = evaluate_model(model, names, frames, store, progress, load_settings(None).teleop, seed)
+    asked = f"teleop evaluate --frames {frames} --seed {seed}" + ("" if only == "all" else f" --only {only}")
     head = f"Made by `{asked}`; frames are drawn from their numbers: a second run gives the same figures but for times."
     path = result.write(report, head, plots=plots)
     typer.echo(path.read_text())

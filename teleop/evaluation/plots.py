@@ -92,7 +92,7 @@ def testers_plot(panels: dict[str, tuple[list[float], list[float], list[float], 
             )
         axes.axhline(0, color="0.6", linewidth=0.8)
         axes.set_title(name)
-        axes.set_xlabel("true angle [deg]")
+        axes.set_xlabel("angle asked for [deg]")
         axes.set_ylabel("captured - true [deg]")
     axes.legend()
     return figure

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from teleop.config import TeleopConfig
 from teleop.evaluation.answers import Answers, Tracker, run_tracker
@@ -15,6 +14,8 @@ from teleop.evaluation.store import FrameSet, FrameStore
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+BATCHES_A_SEED: Final = 1000
+"""A multiple of ten, for the ten testers."""
 Progress = Callable[[str, float], None]
 """Called with what is being done and the share 0..1 of it that is done."""
 
@@ -24,7 +25,7 @@ class Bench:
     """What is measured, and on how much.
 
     single: the tracker without, smooth: with its temporal filter. frames: of one setting, the rest in proportion.
-    model: file of the model, None for the shipped one; only the memory section starts a program with it.
+    seed: other people, poses and rooms for another one.
     """
 
     single: Tracker
@@ -33,13 +34,14 @@ class Bench:
     store: FrameStore
     frames: int
     progress: Progress
-    model: Path | None = None
+    seed: int = 0
 
     def run(self, name: str, frames: FrameSet, batches: int, *, single: bool = True) -> Answers:
         """Track rendered frames, batch by batch. Raises DataError when the people's data set is missing."""
         with self.counting(name, batches) as advance:
             tracker = self.single if single else self.smooth
-            return run_tracker(tracker, self.store.cases(frames, batches, advance), single=single)
+            cases = self.store.cases(frames, batches, advance, self.seed * BATCHES_A_SEED)
+            return run_tracker(tracker, cases, single=single)
 
     @contextmanager
     def counting(self, name: str, total: int) -> Iterator[Callable[[], None]]:

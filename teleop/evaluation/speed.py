@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from teleop.evaluation.answers import Tracker
 from teleop.evaluation.motions import FreeMotion
-from teleop.evaluation.section import Bench, Section, table
+from teleop.evaluation.section import BATCHES_A_SEED, Bench, Section, table
 from teleop.evaluation.stages import staged
 from teleop.frames import DepthFrame
 
@@ -57,7 +57,7 @@ def timed_runs(bench: Bench, *, room: bool) -> list[list[DepthFrame]]:
     """People in motion whose operator has about the published number of pixels, REPEATS times over."""
     runs, found = [], 0
     with bench.counting(f"frames to time, {'in rooms' if room else 'cut out'}", 2 * PEOPLE) as advance:
-        cases = list(bench.store.cases(FreeMotion(FRAMES, room=room), 2 * PEOPLE, advance))
+        cases = list(bench.store.cases(FreeMotion(FRAMES, room=room), 2 * PEOPLE, advance, bench.seed * BATCHES_A_SEED))
     for first in range(0, len(cases), FRAMES):
         run = cases[first : first + FRAMES]
         own = [int((c.part < 255).sum()) for c in run if c.part is not None]

@@ -94,7 +94,7 @@ class Testers:
     repeats: int = 1
 
     def batch(self, index: int) -> list[Case]:
-        """All levels of tester ``index``, 0 to 9."""
+        """All levels of tester ``index``; from 10 on other people of the same ten sizes."""
         person, out = tester(index), []
         for repeat in range(self.repeats):
             for n, level in enumerate(PROTOCOL[self.kind]):
@@ -106,11 +106,12 @@ class Testers:
 
 
 def tester(index: int) -> Person:
-    """Tester 0..9: heights spread evenly over 165-190 cm, masses over 45-90 kg, the tall heavier on the whole."""
+    """Every ten: heights spread evenly over 165-190 cm, masses over 45-90 kg, the tall heavier on the whole."""
     rng = np.random.default_rng([48, index])
-    height = 1.65 + 0.25 * index / (TESTERS - 1)
-    order = (0, 2, 1, 4, 3, 6, 5, 8, 7, 9)
-    mass = 45.0 + 45.0 * order[index] / (TESTERS - 1)
+    size = index % TESTERS
+    height = 1.65 + 0.25 * size / (TESTERS - 1)
+    heavier = (0, 2, 1, 4, 3, 6, 5, 8, 7, 9)[size]
+    mass = 45.0 + 45.0 * heavier / (TESTERS - 1)
     descent = rng.dirichlet((0.7, 0.7, 0.7))
     shape = Shape(height, mass, float(index % 2), float(rng.uniform(0, 0.3)), float(rng.uniform(0.3, 0.7)),
                   (float(descent[0]), float(descent[1]), float(descent[2])))  # fmt: skip

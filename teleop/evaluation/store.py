@@ -66,21 +66,24 @@ class FrameStore:
         name = hashlib.sha256((asked + code_print(isinstance(frames, Sampled))).encode()).hexdigest()[:20]
         return self.folder / name / f"{index:05d}.npz"
 
-    def cases(self, frames: FrameSet, batches: int, advance: Callable[[], None] = lambda: None) -> Iterator[Case]:
-        """The frames of the first ``batches`` batches in order, rendered where they are not kept yet.
+    def cases(
+        self, frames: FrameSet, batches: int, advance: Callable[[], None] = lambda: None, first: int = 0
+    ) -> Iterator[Case]:
+        """The frames of ``batches`` batches from number ``first`` on, in order, rendered where they are not kept yet.
 
         advance: called once a batch. Raises DataError when a data set that the drawing needs is missing.
         """
-        paths = [self.path(frames, n) for n in range(batches)]
-        missing = [n for n, path in enumerate(paths) if path is None or not path.is_file()]
+        numbers = range(first, first + batches)
+        paths = {n: self.path(frames, n) for n in numbers}
+        missing = [n for n, path in paths.items() if path is None or not path.is_file()]
         if min(self.workers, len(missing)) > 1:
             with ProcessPoolExecutor(min(self.workers, len(missing)), mp_context=get_context("spawn")) as pool:
                 futures = {n: pool.submit(_made, frames, n, paths[n]) for n in missing}
-                for n, path in enumerate(paths):
+                for n, path in paths.items():
                     yield from futures.pop(n).result() if n in futures else _read(path)
                     advance()
             return
-        for n, path in enumerate(paths):
+        for n, path in paths.items():
             yield from _made(frames, n, path) if n in missing else _read(path)
             advance()
 

@@ -77,7 +77,13 @@ def _bare(section: Section) -> Section:
 
 
 def evaluate_model(
-    model: Path | None, only: Sequence[str], frames: int, store: FrameStore, progress: Progress, config: TeleopConfig
+    model: Path | None,
+    only: Sequence[str],
+    frames: int,
+    store: FrameStore,
+    progress: Progress,
+    config: TeleopConfig,
+    seed: int = 0,
 ) -> Report:
     """Measure a model file (None: the shipped one). only: names of SECTIONS.
 
@@ -85,7 +91,7 @@ def evaluate_model(
     """
     loaded, body = load_model(model), config.body
     single, smooth = BodyTracker(loaded, single_frame(body)), BodyTracker(loaded, body)
-    bench = Bench(single, smooth, config, store, frames, progress, model)
+    bench = Bench(single, smooth, config, store, frames, progress, seed)
     sections, left_out = [], {}
     for name in only:
         try:
