@@ -192,9 +192,6 @@ class HandConfig(Section):
         le=1.0,
         description="skin area over crop area above which a hand is open [1]; measured; source: 0.8",
     )
-    crop_m: float = Field(
-        default=0.32, ge=0.1, le=0.6, description="side of the shape crop at the hand [m]; an open hand is 0.19"
-    )
     depth_gate_m: float = Field(
         default=0.08, ge=0.02, le=0.3, description="pixels this near the hand's depth belong to it [m]; research"
     )

@@ -17,12 +17,13 @@ from teleop.errors import DataError
 from teleop.hands.patch import COLOR_LAYERS, DEPTH_LAYERS, SIZE
 
 Array = npt.NDArray[np.float32]
-Sight = Literal["both", "depth", "color"]
-"""What a network looks at: depth and colour, depth alone, colour alone."""
+Sight = Literal["both", "depth", "color", "base"]
+"""What a network looks at: depth and colour, depth alone, colour alone; base: colour, before it saw any webcam."""
 LAYERS_OF: Final[dict[Sight, tuple[int, ...]]] = {
     "both": (*DEPTH_LAYERS, *COLOR_LAYERS),
     "depth": DEPTH_LAYERS,
     "color": COLOR_LAYERS,
+    "base": COLOR_LAYERS,
 }
 KERNELS: Final = (5, 3, 3)
 WIDTHS: Final = (12, 24, 32)

@@ -26,6 +26,7 @@ AHEAD_M: Final = 0.025
 """The knuckles lie this far below the patch's middle: an open hand reaches further ahead than the wrist behind."""
 RELIEF_M: Final = 0.10
 LAYERS: Final = ("relief", "no_depth", "brightness", "skin")
+BRIGHTNESS: Final = LAYERS.index("brightness")
 DEPTH_LAYERS: Final = (0, 1)
 COLOR_LAYERS: Final = (2, 3)
 _CORE_M: Final = 0.04
@@ -33,7 +34,8 @@ _MIDDLE: Final = slice(SIZE // 2 - 3, SIZE // 2 + 9)
 
 
 def hand_depth_m(frame: DepthFrame, aim: HandAim, config: HandConfig) -> float | None:
-    """Depth of the hand's surface: the median near the joint; None when nothing there has the joint's depth."""
+    """Depth of the hand's surface: the median near the joint, which must lie in the image; None when nothing there has
+    the joint's depth."""
     r = max(2, round(_CORE_M * aim.px_per_m))
     u, v = round(aim.u), round(aim.v)
     rows, columns = frame.depth_mm.shape
@@ -80,7 +82,7 @@ def hand_patch(frame: DepthFrame, aim: HandAim, z_m: float, skin: SkinModel) -> 
         if step > 1.5:
             rgb = _smooth_warp(color, M)
         else:
-            rgb = cv2.warpAffine(color, M, size, flags=linear, borderMode=cv2.BORDER_REPLICATE)
+            rgb = cv2.warpAffine(color, M, size, flags=linear, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)
         on_hand = (np.abs(out[..., 0]) < 0.6) & ~missing
         on_hand[: _MIDDLE.start], on_hand[_MIDDLE.stop :] = False, False
         on_hand[:, : _MIDDLE.start], on_hand[:, _MIDDLE.stop :] = False, False

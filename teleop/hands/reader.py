@@ -5,15 +5,25 @@ from __future__ import annotations
 from teleop.config.intent import HandConfig
 from teleop.frames import DepthFrame
 from teleop.hands import paper, shape
+from teleop.hands.skin_model import SkinModel, face_skin, stored_skin
 from teleop.intent_types import Hand, Hands
 from teleop.skeleton import Skeleton
 
 
-def read_hands(frame: DepthFrame, skeleton: Skeleton | None, config: HandConfig, _skin: object = None) -> Hands:
-    """What both hands show in this frame alone; UNKNOWN without a skeleton. Joints in camera axes."""
+def read_hands(
+    frame: DepthFrame, skeleton: Skeleton | None, config: HandConfig, skin: SkinModel | None = None
+) -> Hands:
+    """What both hands show in this frame alone; UNKNOWN without a skeleton. Joints in camera axes.
+
+    skin: the operator's, remembered from the frames before; None: it is taken from the face in this one.
+    """
     if skeleton is None:
         return Hands()
-    rule = paper.read_hand if config.hand == "paper" else shape.read_hand
-    right, right_confidence = rule(frame, skeleton, "right", config)
-    left, left_confidence = rule(frame, skeleton, "left", config)
+    if config.hand == "paper":
+        right, right_confidence = paper.read_hand(frame, skeleton, "right", config)
+        left, left_confidence = paper.read_hand(frame, skeleton, "left", config)
+    else:
+        skin = skin or stored_skin(config) or face_skin(frame, skeleton, config)
+        right, right_confidence = shape.read_hand(frame, skeleton, "right", config, skin)
+        left, left_confidence = shape.read_hand(frame, skeleton, "left", config, skin)
     return Hands(Hand(right), Hand(left), right_confidence, left_confidence)

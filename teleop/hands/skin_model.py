@@ -25,6 +25,8 @@ _FEWEST_PIXELS = 25
 _MARGIN = 12.0
 """How far beyond the source's skin range a face may be: coloured light shifts it."""
 _FLOOR_VARIANCE = 9.0
+_LEAST_COLOR = 5.0
+"""Skin is at least this far from grey (Cb = Cr = 128); hair and masks are often not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +81,8 @@ def fit_skin(cb_cr: npt.NDArray[np.float32], config: HandConfig) -> SkinModel | 
     if len(pixels) < _FEWEST_PIXELS:
         return None
     mean, cov = pixels.mean(axis=0), np.cov(pixels.T) + _FLOOR_VARIANCE * np.eye(2)
+    if float(np.hypot(*(mean - 128.0))) < _LEAST_COLOR:
+        return None
     return SkinModel(
         (float(mean[0]), float(mean[1])), (float(cov[0, 0]), float(cov[0, 1]), float(cov[1, 1])), weight=1.0
     )

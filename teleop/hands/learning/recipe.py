@@ -13,7 +13,7 @@ from teleop.config.intent import HandConfig
 from teleop.errors import DataError
 from teleop.hands.learning import photos
 from teleop.hands.learning.convnet import Schedule, calibrated, initial, train
-from teleop.hands.learning.samples import Samples, augmented, collect
+from teleop.hands.learning.samples import Samples, augmenter, collect
 from teleop.hands.network import LAYERS_OF, Network, Sight, save_networks
 from teleop.people.hand_shots import HandShot, hand_shots
 
@@ -61,9 +61,10 @@ def train_hands(recipe: HandRecipe, output: Path, progress: Progress) -> HandFig
     held = collect(_shots("validation", recipe.validation, progress, None), config, recipe.seed + 1, draws=1)
     networks: dict[Sight, Network] = {}
     right: dict[Sight, float] = {}
-    for sight in ("both", "depth"):
+    sights: tuple[Sight, Sight] = ("both", "depth")
+    for sight in sights:
         networks[sight], right[sight] = _network(sight, samples, held, recipe, progress)
-    networks["color"], webcam = _photo_network(boxes, recipe, progress)
+    networks["base"], networks["color"], webcam = _photo_networks(boxes, recipe, progress)
     save_networks(output, networks)
     figures = HandFigures(len(samples.is_open), right, webcam)
     output.with_name("HANDS.md").write_text(card(recipe, figures, output), encoding="utf-8")
@@ -81,15 +82,18 @@ def _network(
         progress(f"training the network of {sight}", epoch / recipe.epochs)
 
     start = initial(len(layers), rng)
-    net = train(start, samples.patches[..., layers], samples.is_open, schedule, rng, augmented, show)
+    net = train(start, samples.patches[..., layers], samples.is_open, schedule, rng, augmenter(sight), show)
     logit = net.logit(held.patches[:, 0][..., layers].astype(np.float32))
     net = calibrated(net, logit, held.is_open)
     return net, float(((logit > 0) == held.is_open).mean())
 
 
-def _photo_network(boxes: list[photos.Photo], recipe: HandRecipe, progress: Progress) -> tuple[Network, float]:
+def _photo_networks(
+    boxes: list[photos.Photo], recipe: HandRecipe, progress: Progress
+) -> tuple[Network, Network, float]:
+    """The colour network before and after it saw webcams, and its share right on recordings left out."""
     config = HandConfig()
-    digits = photos.photo_samples(photos.digit_photos(), config, recipe.seed)
+    digits = photos.photo_samples(photos.digit_photos(), config, photos.DIGITS_SEED)
     rendered = photos.photo_samples(boxes, config, recipe.seed)
     steps = 0
 
@@ -101,7 +105,8 @@ def _photo_network(boxes: list[photos.Photo], recipe: HandRecipe, progress: Prog
     base = photos.train_base(rendered, digits, recipe.seed, tell)
     held = photos.leave_recordings_out(base, digits, config, tell)
     progress("training the network of photographs", 1.0)
-    return photos.finished(base, digits, held, config), float(((held.logit > 0) == held.is_open).mean())
+    right = float(((held.logit > 0) == held.is_open).mean())
+    return base, photos.finished(base, digits, held, config), right
 
 
 def card(recipe: HandRecipe, figures: HandFigures, output: Path) -> str:

@@ -12,8 +12,10 @@ import numpy.typing as npt
 
 from teleop.config.intent import HandConfig
 from teleop.hands.aim import aim_at_hand
+from teleop.hands.learning.convnet import Augment
 from teleop.hands.legible import illegible
-from teleop.hands.patch import SIZE, Patch, hand_depth_m, hand_patch
+from teleop.hands.network import LAYERS_OF, Sight
+from teleop.hands.patch import BRIGHTNESS, SIZE, Patch, hand_depth_m, hand_patch
 from teleop.hands.skin_model import SkinModel, chroma, generic_skin
 from teleop.people.hand_shots import HandShot
 from teleop.skeleton import Skeleton
@@ -66,17 +68,29 @@ def collect(shots: Iterable[HandShot], config: HandConfig, seed: int, draws: int
     return Samples(np.stack(patches), np.array(is_open))
 
 
-def augmented(x: Patch, rng: np.random.Generator) -> Patch:
-    """Flips, shifts, turns and changes of size, of light and of noise: what cameras and trackers may do besides."""
+def augmenter(sight: Sight) -> Augment:
+    """What cameras and trackers may do besides, for patches of one network: see ``_augmented``."""
+    layers = LAYERS_OF[sight]
+    bright = layers.index(BRIGHTNESS) if BRIGHTNESS in layers else None
+
+    def augment(x: Patch, rng: np.random.Generator) -> Patch:
+        return _augmented(x, rng, bright)
+
+    return augment
+
+
+def _augmented(x: Patch, rng: np.random.Generator, bright: int | None) -> Patch:
+    """Flips, shifts, turns and changes of size; where a layer is brightness, changes of light and noise."""
     out = np.empty_like(x)
     for i, patch in enumerate(x):
         angle, scale = rng.normal(0, 9), np.exp(rng.normal(0, 0.10))
         M = cv2.getRotationMatrix2D(((SIZE - 1) / 2, (SIZE - 1) / 2), angle, scale)
+        M = np.asarray(M, np.float64)
         M[:, 2] += rng.normal(0, 1.5, 2)
         warped = cv2.warpAffine(patch, M, (SIZE, SIZE), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         out[i] = warped[:, ::-1] if rng.uniform() < 0.3 else warped
-    n = len(x)
-    if x.shape[-1] != 2 or x[..., 0].min() < -1.0:  # has colour
-        out[..., -2] = out[..., -2] * rng.uniform(0.6, 1.4, (n, 1, 1)) + rng.normal(0, 0.08, (n, 1, 1))
-        out[..., -2] += rng.normal(0, 0.05, out.shape[:-1])
+    if bright is not None:
+        gain, shift = rng.uniform(0.6, 1.4, (len(x), 1, 1)), rng.normal(0, 0.08, (len(x), 1, 1))
+        noise = rng.normal(0, 0.05, out.shape[:-1])
+        out[..., bright] = (out[..., bright] * gain + shift + noise).astype(np.float32)
     return out

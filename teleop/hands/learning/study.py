@@ -14,6 +14,7 @@ from teleop.body.tracker import BodyTracker
 from teleop.config.intent import HandConfig
 from teleop.hands.learning.cases import JOINT_NOISE_M, JOINTS, RULES, Case, Progress, rendered_cases
 from teleop.hands.learning.sessions import SessionFigures
+from teleop.hands.learning.tally import Share
 from teleop.intent_types import Hand
 
 UNREADABLE: Final = (
@@ -25,25 +26,6 @@ UNREADABLE: Final = (
     "not drawn: those are transitions. Scored: every hand of which something is in the image, 1.4 to 3.5 m away, "
     "unreadable ones included."
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Share:
-    """Of so many hands: how many were decided, and how many of these were right."""
-
-    hands: int
-    decided: int
-    right: int
-
-    @property
-    def decided_percent(self) -> float:
-        """Decided of all, in percent; 0 without hands."""
-        return 100.0 * self.decided / max(1, self.hands)
-
-    @property
-    def right_percent(self) -> float:
-        """Right of decided, in percent; 0 when none was decided."""
-        return 100.0 * self.right / max(1, self.decided)
 
 
 def share(cases: Iterable[Case], joints: str, rule: str) -> Share:

@@ -11,8 +11,6 @@ from stick_figure import Arm, Person, skeleton
 
 from teleop.config.intent import HandConfig
 from teleop.frames import Camera, DepthFrame, kinect_v1
-from teleop.hands.classifier import DEPTH_ONLY, WITH_COLOR, expand
-from teleop.hands.features import FEATURES
 from teleop.hands.reader import read_hands
 from teleop.intent_types import Hand, Hands
 from teleop.joints import JOINT_NAMES
@@ -108,13 +106,15 @@ def replace_margin(margin: float) -> HandConfig:
     return CONFIG.model_copy(update={"decide_margin": margin})
 
 
-def test_classifier_terms() -> None:
-    x = np.array([1.0, 2.0])
-    assert expand(x, np.zeros(2), np.ones(2)) == pytest.approx([1, 1, 2, 1, 2, 4])
-    assert expand(x * 100, np.zeros(2), np.ones(2)) == pytest.approx([1, 4, 4, 16, 16, 16])
-    assert len(WITH_COLOR.columns) == len(FEATURES)
-    for model in (WITH_COLOR, DEPTH_ONLY):
-        n = len(model.columns)
-        assert model.weight.shape == (1 + n + n * (n + 1) // 2,)
-        assert np.isfinite(model.weight).all()
-    assert replace(DEPTH_ONLY, weight=np.zeros_like(DEPTH_ONLY.weight)).logit(np.ones(len(FEATURES))) == 0.0
+def test_skin_coloured_walls_and_shirts_do_not_mislead() -> None:
+    """The same hand before a wall of its own colour: depth tells them apart."""
+    frame, body, _ = next(row for row in recorded() if row[2]["right"] == "open")
+    color = frame.color_rgb
+    assert color is not None
+    hand = body.joint("hand_right")
+    assert hand is not None
+    painted = color.copy()
+    painted[(frame.depth_mm > 1000 * hand[2] + 250) | (frame.depth_mm == 0)] = (205, 160, 132)
+    before = read_hands(frame, body, CONFIG)
+    after = read_hands(replace(frame, color_rgb=painted, color_jpeg=None), body, CONFIG)
+    assert before.right is Hand.OPEN and after.right is Hand.OPEN
