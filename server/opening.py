@@ -11,6 +11,7 @@ from server.engine.session import Session
 from server.errors import Refused
 from server.library import Library
 from teleop.sources import open_source
+from teleop.sources.reconnect import open_lasting
 
 LIVE_SCHEMES = ("openni2:", "freenect:", "realsense:", "orbbec:", "virtual:")
 _FILE = re.compile(r"\.[A-Za-z]\w{1,4}$")
@@ -32,7 +33,7 @@ def open_named(engine: Engine, library: Library, name: str, *, loop: bool, recor
         raise Refused(403, "files of this computer are opened on its command line only; upload a recording instead")
     if engine.session is not None and engine.session.info.live:
         engine.close_session(engine.session.id)  # a sensor can be opened once
-    return engine.open(name, open_source(name), loop, record_to)
+    return engine.open(name, open_lasting(name, engine.settings.sensor.retry_s), loop, record_to)
 
 
 def open_path(engine: Engine, library: Library, uri: str, *, loop: bool, record: bool = False) -> Session:
@@ -40,7 +41,8 @@ def open_path(engine: Engine, library: Library, uri: str, *, loop: bool, record:
     name."""
     uri = located(library, uri)
     name = Path(uri).stem if uri.endswith(".mcap") else uri
-    return engine.open(name, open_source(uri), loop, _record_to(library, name) if record else None)
+    source = open_lasting(uri, engine.settings.sensor.retry_s)
+    return engine.open(name, source, loop, _record_to(library, name) if record else None)
 
 
 def located(library: Library, uri: str) -> str:
