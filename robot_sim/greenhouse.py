@@ -1,6 +1,6 @@
 """The greenhouse row: gutters, plants, cucumbers and tomatoes as primitives; the same seed gives the same crop.
 
-World frame: x along the aisle, y left, z up, floor at z = 0. Cucumbers grow on the left (+y), tomatoes on the right.
+World frame: x along the aisle, y left, z up, floor at z = 0. Each row has its own crop.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ class Greenhouse:
     parts: tuple[Primitive, ...]
     leaves: tuple[Primitive, ...]
     fruits: tuple[Fruit, ...]
+    diseased: frozenset[str] = frozenset()
+    """Names of the plants with mildew."""
 
     @property
     def primitives(self) -> tuple[Primitive, ...]:
@@ -41,20 +43,24 @@ class Greenhouse:
 
 def greenhouse(config: GreenhouseConfig, seed: int = 0) -> Greenhouse:
     """The whole greenhouse, about 9,000 triangles with 8-sided cylinders and 8 x 6 spheres."""
-    rng = np.random.default_rng(seed)
+    rng, health = np.random.default_rng(seed), np.random.default_rng((seed, 1))
+    diseased: set[str] = set()
     parts = [*_floor(config)]
     fruits: list[Fruit] = []
-    rows: tuple[tuple[float, Crop], ...] = ((1.0, "cucumber"), (-1.0, "tomato"))
+    rows: tuple[tuple[float, Crop], ...] = ((1.0, config.left_crop), (-1.0, config.right_crop))
     for side, crop in rows:
         parts += _gutter(config, side)
         length = config.row_end_m - config.row_start_m
         count = int(length / config.plant_spacing_m)
         first = config.row_start_m + 0.5 * (length - (count - 1) * config.plant_spacing_m)
         for i in range(count):
-            plant = grow(config, f"{crop}_{i}", crop, first + i * config.plant_spacing_m, side, rng)
+            # twice the same crop needs two names
+            name = f"{crop}_{i}" if side > 0 or config.left_crop != config.right_crop else f"{crop}_r{i}"
+            plant = grow(config, name, crop, first + i * config.plant_spacing_m, side, rng, health)
+            diseased |= {name} if plant.diseased else set()
             parts += plant.parts
             fruits += plant.fruits
-    return Greenhouse(tuple(parts), tuple(p for p in parts if "_leaf_" in p.name), tuple(fruits))
+    return Greenhouse(tuple(parts), tuple(p for p in parts if "_leaf_" in p.name), tuple(fruits), frozenset(diseased))
 
 
 def solid(parts: tuple[Primitive, ...]) -> tuple[Primitive, ...]:

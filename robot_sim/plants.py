@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 from typing import Literal
@@ -11,13 +12,21 @@ import numpy as np
 from robot_sim.config import GreenhouseConfig
 from robot_sim.primitives import Primitive, Rgba, Vec3, rod, rotation, rpy_of
 
-Crop = Literal["cucumber", "tomato"]
+Crop = Literal["cucumber", "tomato", "grape"]
 STEM: Rgba = (0.36, 0.56, 0.22, 1.0)
 LEAVES: tuple[Rgba, ...] = ((0.13, 0.40, 0.15, 1.0), (0.17, 0.47, 0.18, 1.0), (0.23, 0.54, 0.22, 1.0))
 CUCUMBER: Rgba = (0.10, 0.34, 0.12, 1.0)
 CUCUMBER_TIP: Rgba = (0.46, 0.58, 0.24, 1.0)
 RIPE: Rgba = (0.83, 0.13, 0.09, 1.0)
 UNRIPE: tuple[Rgba, ...] = ((0.88, 0.45, 0.12, 1.0), (0.52, 0.65, 0.25, 1.0))
+
+GRAPE: Rgba = (0.28, 0.12, 0.34, 1.0)
+GRAPE_UNRIPE: Rgba = (0.55, 0.66, 0.33, 1.0)
+YOUNG_CUCUMBER: Rgba = (0.50, 0.68, 0.30, 1.0)
+MILDEW: tuple[Rgba, ...] = ((0.62, 0.63, 0.40, 1.0), (0.70, 0.68, 0.48, 1.0), (0.55, 0.57, 0.33, 1.0))
+"""Leaves of a plant with powdery mildew: pale and yellowish."""
+TOUGHNESS: dict[Crop, float] = {"cucumber": 1.0, "tomato": 0.5, "grape": 0.35}
+"""Share of ToolConfig.bruise_n that damages a fruit; choice: soft berries bruise first."""
 
 FRUIT_KG_M3 = 950.0
 """Cucumbers and tomatoes are nearly all water, and float."""
@@ -27,7 +36,7 @@ PEDUNCLE_M = 0.08
 
 @dataclass(frozen=True, slots=True)
 class Fruit:
-    """One fruit (a cucumber, or a truss of tomatoes) as it hangs at the start.
+    """One fruit (a cucumber, a truss of cherry tomatoes, a bunch of grapes) as it hangs at the start.
 
     xyz_m: its middle; top_m: from there up to where the peduncle begins. parts: what moves with it.
     """
@@ -47,6 +56,7 @@ class Plant:
 
     parts: tuple[Primitive, ...]
     fruits: tuple[Fruit, ...]
+    diseased: bool = False
 
 
 def grow(
@@ -56,8 +66,13 @@ def grow(
     x_m: float,
     side: float,
     rng: np.random.Generator,
+    health: np.random.Generator,
 ) -> Plant:
-    """A plant at ``x_m`` in the row on ``side`` (+1 left, -1 right of the aisle); ``rng`` decides how it grew."""
+    """A plant at ``x_m`` in the row on ``side`` (+1 left, -1 right of the aisle).
+
+    rng decides how it grew, health whether it is diseased and which of its fruit is ripe.
+    """
+    diseased = bool(health.random() < config.diseased_share)
     y0 = side * config.row_offset_m
     z0 = config.gutter_height_m + 0.12
     z1 = config.gutter_height_m + config.plant_height_m
@@ -66,44 +81,45 @@ def grow(
         up = z0 + 0.10 + (z1 - z0 - 0.08) * (k + rng.uniform(0.0, 0.6)) / max(1, config.leaves_per_plant)
         # leaves stand around the stem by the golden angle, as phyllotaxis has it
         yaw = 2.399963 * k + float(rng.uniform(-0.3, 0.3))
-        size = float((0.26 if crop == "cucumber" else 0.20) * rng.uniform(0.75, 1.1))
+        size = float((0.20 if crop == "tomato" else 0.26) * rng.uniform(0.75, 1.1))
         reach = 0.06 + 0.45 * size
         at = (float(x_m + reach * np.cos(yaw)), float(y0 + 0.75 * reach * np.sin(yaw)), float(up))
-        # a cucumber's large leaves hang, a tomato's stand out
-        droop = float(rng.uniform(0.55, 1.1) if crop == "cucumber" else rng.uniform(0.25, 0.75))
-        colour = LEAVES[int(rng.integers(len(LEAVES)))]
-        parts += _leaf(f"{name}_leaf_{k}", at, size, droop, yaw, crop == "cucumber", colour)
+        # the large leaves of cucumber and vine hang, a tomato's stand out
+        droop = float(rng.uniform(0.25, 0.75) if crop == "tomato" else rng.uniform(0.55, 1.1))
+        colour = (MILDEW if diseased else LEAVES)[int(rng.integers(len(LEAVES)))]
+        parts += _leaf(f"{name}_leaf_{k}", at, size, droop, yaw, crop != "tomato", colour)
     fruits = []
     span = (config.fruit_high_m - config.fruit_low_m) / max(1, config.fruits_per_plant)
     for k in range(config.fruits_per_plant):
-        # a truss bears several tomatoes: half as many of them
-        if crop == "tomato" and k % 2 == 1:
+        # a truss or bunch bears several: half as many of them
+        if crop != "cucumber" and k % 2 == 1:
             continue
         z = float(config.fruit_low_m + span * (k + rng.uniform(0.1, 0.9)))
         x = float(x_m + (-1) ** k * rng.uniform(0.06, 0.13))
         y = float(side * (config.fruit_offset_m + rng.uniform(0.0, 0.04)))
-        make = _cucumber if crop == "cucumber" else _truss
-        fruit = make(f"{name}_fruit_{k}", (x, y, z), rng)
+        fruit = GROWN[crop](f"{name}_fruit_{k}", (x, y, z), bool(health.random() < config.ripe_share), rng)
         fruits.append(fruit)
         top, bend = z + fruit.top_m, z + fruit.top_m + PEDUNCLE_M
         parts.append(rod(f"{fruit.name}_peduncle", (x, y, top), (x, y, bend), 0.0035, STEM))
         parts.append(rod(f"{fruit.name}_branch", (x, y, bend), (x_m, y0, bend + 0.05), 0.0035, STEM))
-    return Plant(tuple(parts), tuple(fruits))
+    return Plant(tuple(parts), tuple(fruits), diseased)
 
 
-def _cucumber(name: str, at: Vec3, rng: np.random.Generator) -> Fruit:
+def _cucumber(name: str, at: Vec3, ripe: bool, rng: np.random.Generator) -> Fruit:
     length, radius = float(rng.uniform(0.16, 0.20)), float(rng.uniform(0.017, 0.021))
+    # a young one is thin and pale
+    radius *= 1.0 if ripe else 0.75
+    skin = CUCUMBER if ripe else YOUNG_CUCUMBER
     turned = (0.0, 0.0, float(rng.uniform(0.0, pi)))
     parts = (
-        Primitive(name, "cylinder", (radius, length), at, turned, CUCUMBER),
+        Primitive(name, "cylinder", (radius, length), at, turned, skin),
         Primitive(f"{name}_tip", "cylinder", (radius * 0.72, length + 0.024), at, turned, CUCUMBER_TIP),
     )
     mass = FRUIT_KG_M3 * pi * radius**2 * length
-    return Fruit(name, "cucumber", at, 0.5 * length, mass, True, parts)
+    return Fruit(name, "cucumber", at, 0.5 * length, mass, ripe, parts)
 
 
-def _truss(name: str, at: Vec3, rng: np.random.Generator) -> Fruit:
-    ripe = bool(rng.random() < 0.65)
+def _truss(name: str, at: Vec3, ripe: bool, rng: np.random.Generator) -> Fruit:
     x, y, z = at
     parts = [rod(f"{name}_axis", (x, y, z + 0.07), (x, y, z - 0.05), 0.003, STEM)]
     mass = 0.0
@@ -114,6 +130,30 @@ def _truss(name: str, at: Vec3, rng: np.random.Generator) -> Fruit:
         parts.append(Primitive(f"{name}_{k}", "sphere", (radius,), centre, (0.0, 0.0, 0.0), colour))
         mass += FRUIT_KG_M3 * 4.0 / 3.0 * pi * radius**3
     return Fruit(name, "tomato", at, 0.07, mass, ripe, tuple(parts))
+
+
+def _bunch(name: str, at: Vec3, ripe: bool, rng: np.random.Generator) -> Fruit:
+    """A small bunch of table grapes: rings of four, four, three and one berry that narrow downwards."""
+    x, y, z = at
+    parts = [rod(f"{name}_axis", (x, y, z + 0.075), (x, y, z - 0.045), 0.003, STEM)]
+    mass, k = 0.0, 0
+    for ring, (count, wide) in enumerate(((4, 0.024), (4, 0.022), (3, 0.016), (1, 0.0))):
+        for i in range(count):
+            radius = float(rng.uniform(0.015, 0.017))
+            turn = 2.0 * pi * i / count + 0.7 * ring
+            centre = (x + wide * float(np.cos(turn)), y + wide * float(np.sin(turn)), z + 0.045 - 0.031 * ring)
+            skin = GRAPE if ripe else GRAPE_UNRIPE
+            parts.append(Primitive(f"{name}_{k}", "sphere", (radius,), centre, (0.0, 0.0, 0.0), skin))
+            mass += 1.1 * FRUIT_KG_M3 * 4.0 / 3.0 * pi * radius**3
+            k += 1
+    return Fruit(name, "grape", at, 0.075, mass, ripe, tuple(parts))
+
+
+GROWN: dict[Crop, Callable[[str, Vec3, bool, np.random.Generator], Fruit]] = {
+    "cucumber": _cucumber,
+    "tomato": _truss,
+    "grape": _bunch,
+}
 
 
 def _leaf(name: str, xyz: Vec3, size: float, droop: float, yaw: float, lobed: bool, rgba: Rgba) -> list[Primitive]:

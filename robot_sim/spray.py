@@ -133,6 +133,25 @@ def wet_share(state: SprayState, leaves: Canopy, config: SprayConfig) -> F64:
     return np.asarray(1.0 - np.exp(-state.hits * config.parcel_m2 / leaves.area_m2[:, None]))
 
 
+def missed_share(state: SprayState, liquid: Liquid | None = None) -> float:
+    """Share 0..1 of what was sprayed (of one liquid, or of all) that hit no leaf; 0 when nothing was."""
+    columns = slice(None) if liquid is None else slice(LIQUIDS.index(liquid), LIQUIDS.index(liquid) + 1)
+    missed, hit = int(state.missed[columns].sum()), int(state.hits[:, columns].sum())
+    return missed / (missed + hit) if missed + hit else 0.0
+
+
+def wrong_share(state: SprayState, leaves: Canopy, diseased: frozenset[str]) -> float:
+    """Share 0..1 of all parcels that hit a leaf which wants another liquid.
+
+    diseased: plants that want pesticide and nothing else; all others want water or nutrient.
+    """
+    total = int(state.hits.sum() + state.missed.sum())
+    ill = np.array([name.partition("_leaf_")[0] in diseased for name in leaves.names], dtype=bool)
+    pesticide = state.hits[:, LIQUIDS.index(Liquid.PESTICIDE)]
+    wrong = int(pesticide[~ill].sum() + (state.hits.sum(axis=1) - pesticide)[ill].sum())
+    return wrong / total if total else 0.0
+
+
 def coverage(
     state: SprayState, leaves: Canopy, liquid: Liquid, low_m: npt.ArrayLike, high_m: npt.ArrayLike, config: SprayConfig
 ) -> float:

@@ -32,6 +32,8 @@ BOX_RPY: Vec3 = (0.0, BOX_PITCH_RAD, 0.0)
 """Turn of the box in the forearm's axes."""
 SOFT_XML = '<stiffness value="3000"/><damping value="40"/>'
 """Foam that lines the box and the fingers' pads [N/m, Ns/m]: 15 mm of soft polyurethane give 5 mm under a 14 N grip."""
+CUPPED_XML = '<stiffness value="1200"/><damping value="30"/>'
+"""The soft gripper's silicone [N/m, Ns/m]."""
 CUT_MIDDLE_M: Vec3 = (0.055, 0.0, -0.100)
 CUT_HALF_M: Vec3 = (0.040, 0.034, 0.045)
 """Between the blades: a peduncle in here is cut when they close; from the flange, in the forearm's axes."""
@@ -60,7 +62,7 @@ def gripper(config: RobotConfig) -> list[Link | Joint]:
     for side, sign in (("left", 1.0), ("right", -1.0)):
         name = f"gripper_{side}"
         parts += [
-            _finger(f"{name}_link", sign),
+            _finger(f"{name}_link", sign, config.tool.gripper),
             Joint(name, "right_tool", f"{name}_link", ZERO, ZERO, (0.0, sign, 0.0), "prismatic", config.tool.jaw),
         ]
     blade = Link(
@@ -152,11 +154,19 @@ def sprayer(config: RobotConfig) -> list[Link | Joint]:
     return [link, Joint("rear_flange", "rear_forearm", "rear_tool", (0.0, 0.0, -config.arm.forearm_m))]
 
 
-def _finger(name: str, sign: float) -> Link:
-    # a pad that gives: soft rubber on a stiff back
-    back = box(0.030, 0.010, FINGER_M + 0.02, (0.0, sign * 0.013, -0.036 - 0.5 * FINGER_M), "graphite")
-    pad = box(0.034, 0.008, FINGER_M, (0.0, sign * 0.004, -0.046 - 0.5 * FINGER_M), "leaf")
-    contact = f'<lateral_friction value="1.1"/><spinning_friction value="0.02"/>{SOFT_XML}'
-    touching = (box(0.034, 0.018, FINGER_M, (0.0, sign * 0.009, -0.046 - 0.5 * FINGER_M)),)
+def _finger(name: str, sign: float, gripper: str) -> Link:
+    """A pad that gives, on a stiff back. long: flat and narrow; soft: high, short, very soft, with a lip below."""
+    soft = gripper == "soft"
+    high, long = (0.060, 0.070) if soft else (0.034, FINGER_M)
+    z = -0.046 - 0.5 * FINGER_M
+    back = box(0.030, 0.010, FINGER_M + 0.02, (0.0, sign * 0.013, z + 0.010), "graphite")
+    visuals = [back, box(high, 0.008, long, (0.0, sign * 0.004, z), "leaf")]
+    touching = [box(high, 0.018, long, (0.0, sign * 0.009, z))]
+    if soft:
+        # curled fingertips
+        lip = box(high, 0.016, 0.010, (0.0, sign * -0.004, z - 0.5 * long), "leaf")
+        visuals.append(lip)
+        touching.append(lip)
+    contact = f'<lateral_friction value="1.1"/><spinning_friction value="0.02"/>{CUPPED_XML if soft else SOFT_XML}'
     middle = (0.0, sign * 0.009, -0.08)
-    return Link(name, 0.08, (0.03, 0.02, FINGER_M), middle, (back, pad), touching, contact)
+    return Link(name, 0.08, (0.03, 0.02, FINGER_M), middle, tuple(visuals), tuple(touching), contact)

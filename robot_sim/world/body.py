@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -81,13 +82,13 @@ class RobotBody:
         self._wheel_efforts = [config.chassis.motor_nm / 3.0] * len(WHEELS)
         self.set_joints([(axis.home, 0.0) for axis in axes(config)])
 
-    def follow(self, setpoints: Setpoints, left_m_s: float, right_m_s: float) -> None:
-        """Set all motors: servos to their set-points, tracks to their speeds over the floor [m/s]."""
+    def follow(self, setpoints: Setpoints, driven: Sequence[float], left_m_s: float, right_m_s: float) -> None:
+        """Set all motors: servos to where they are driven, tracks to their speeds over the floor [m/s]."""
         self._client.setJointMotorControlArray(
             self.id,
             self._servos,
             pybullet.POSITION_CONTROL,
-            targetPositions=setpoints.position,
+            targetPositions=driven,
             targetVelocities=setpoints.velocity,
             forces=self._efforts,
             positionGains=self._gains,
@@ -105,6 +106,11 @@ class RobotBody:
     def joints(self) -> list[tuple[float, float]]:
         """Position and speed of every joint, in the order of ALL_JOINTS [rad or m, per second]."""
         return [(state[0], state[1]) for state in self._client.getJointStates(self.id, self._joints)]
+
+    def power_w(self) -> float:
+        """Mechanical power of all motors now, |torque x speed| [W]."""
+        states = self._client.getJointStates(self.id, self._joints)
+        return float(sum(abs(state[1] * state[3]) for state in states))
 
     def set_joints(self, values: list[tuple[float, float]]) -> None:
         """Put the joints, from the first one of ALL_JOINTS on, to positions and speeds."""

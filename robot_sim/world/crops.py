@@ -10,7 +10,7 @@ import numpy as np
 import pybullet
 
 from robot_sim.config import ToolConfig
-from robot_sim.plants import PEDUNCLE_M, Fruit
+from robot_sim.plants import PEDUNCLE_M, TOUGHNESS, Fruit
 from robot_sim.urdf_parts_tools import BOX_SIZE_M, CUT_HALF_M, CUT_MIDDLE_M
 from robot_sim.world.body import LinkPose, Motion, motion, put
 from robot_sim.world.client import Client
@@ -67,18 +67,19 @@ class Crops:
             self._client.removeConstraint(peg)
             self._pegs[i] = None
 
-    def cut(self, tool: LinkPose) -> None:
-        """The blades have closed: peduncles between them part."""
-        for i, hangs in enumerate(self.attached):
-            if hangs and self._between_blades(i, tool):
-                self.detach(i)
+    def cut(self, tool: LinkPose) -> tuple[int, ...]:
+        """The blades have closed: peduncles between them part. Returns whose."""
+        parted = tuple(i for i, hangs in enumerate(self.attached) if hangs and self._between_blades(i, tool))
+        for i in parted:
+            self.detach(i)
+        return parted
 
     def observe(self, contacts: Iterable[FruitContact], fingers: tuple[int, int], box: LinkPose) -> None:
         """Find out where every fruit is now, and what was pressed too hard."""
         touching: dict[int, set[int]] = {}
         for contact in contacts:
             touching.setdefault(contact.fruit, set()).add(contact.link)
-            if contact.force_n > self._tool.bruise_n:
+            if contact.force_n > self._tool.bruise_n * TOUGHNESS[self._fruits[contact.fruit].crop]:
                 self.damaged[contact.fruit] = True
         for i in touching:
             self._tear(i)

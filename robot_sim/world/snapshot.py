@@ -9,6 +9,7 @@ from robot_sim.limiter import Setpoints
 from robot_sim.spray import SprayState
 from robot_sim.world.body import Motion
 from robot_sim.world.crops import FruitStatus
+from robot_sim.world.run_log import RunLog
 from robot_sim.world.tracks import Heading
 
 
@@ -38,3 +39,5 @@ class Snapshot:
     carried_s: float
     blades_closed: bool
     reasons: tuple[str, ...]
+    driven: tuple[float, ...]
+    log: RunLog

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isfinite
 
 import numpy as np
@@ -11,22 +12,27 @@ from robot_sim.actuators import JOINT_INDEX, JOINTS
 from robot_sim.commands import Liquid, RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
+from robot_sim.events import RobotEvent
 from robot_sim.greenhouse import greenhouse, solid
 from robot_sim.head_camera import projection_matrix, view_matrix
 from robot_sim.limiter import Goals, Setpoints, advance, home_setpoints, latch_estop, resolve
+from robot_sim.metrics import RunMetrics
 from robot_sim.plants import Fruit
 from robot_sim.primitives import Primitive
 from robot_sim.reasons import RobotReason
-from robot_sim.spray import LIQUIDS, SprayState, canopy, coverage, fresh, spray, wet_share
+from robot_sim.servo import driven, exact
+from robot_sim.spray import LIQUIDS, SprayState, canopy, coverage, fresh, missed_share, spray, wet_share, wrong_share
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.urdf_parts_tools import NOZZLE_M
+from robot_sim.world.arm_contacts import touching as arm_contacts
 from robot_sim.world.body import ALL_JOINTS, RobotBody, motion, put
 from robot_sim.world.client import Client
 from robot_sim.world.contacts import Touch, away_from
 from robot_sim.world.crops import Crops, FruitContact
 from robot_sim.world.meshes import merge
 from robot_sim.world.render import render_rgb
+from robot_sim.world.run_log import RunLog, Touching, logged
 from robot_sim.world.scene import load_floor, load_looks, load_obstacles
 from robot_sim.world.snapshot import FruitMoment, Snapshot
 from robot_sim.world.tracks import Heading, track_speeds
@@ -54,6 +60,10 @@ class World:
     _carried_s: float
     _blades_closed: bool
     _reasons: tuple[str, ...]
+    _driven: tuple[float, ...]
+    _log: RunLog
+    _cut: list[str]
+    _missed_cut: bool
 
     def __init__(self, config: RobotConfig | None = None, seed: int = 0) -> None:
         self.config = config or RobotConfig()
@@ -61,6 +71,7 @@ class World:
         self._greenhouse = greenhouse(self.config.greenhouse, seed)
         self._canopy = canopy(self._greenhouse.leaves)
         self._meshes = merge(self._greenhouse.parts)
+        self._unripe = frozenset(f.name for f in self._greenhouse.fruits if not f.ripe)
         self._client = Client()
         self._start()
 
@@ -92,7 +103,8 @@ class World:
         # a caller's 1/30 s is 8 ticks although the binary sum may fall a hair short
         ticks = int(due * TICK_HZ + 1e-6)
         self._carried_s = due - ticks * TICK_S
-        goals = self._away_from_contacts(resolve(command, self.config))
+        goals, at_obstacle = self._away_from_contacts(resolve(command, self.config))
+        self._cut, self._missed_cut = [], False
         reasons = dict.fromkeys(goals.reasons)
         spraying = 0
         for _ in range(ticks):
@@ -105,8 +117,40 @@ class World:
         self._observe_fruit()
         if self._setpoints.spray_on and not self._flows():
             reasons[RobotReason.TANK_EMPTY] = None
+        touching = Touching(arm_contacts(self._client, self._robot) if ticks else self._log.touching.arms, at_obstacle)
+        if touching.arms:
+            reasons[RobotReason.ARM_CONTACT] = None
+        status = self._crops.report()
+        if any(not status.get(name, "").startswith(("held", "boxed")) for name in self._cut):
+            reasons[RobotReason.NOT_HELD] = None
+        if self._missed_cut:
+            reasons[RobotReason.NOTHING_CUT] = None
         self._reasons = tuple(str(r) for r in reasons)
-        return self.state()
+        state = self.state()
+        work_j = self._robot.power_w() * ticks * TICK_S
+        self._log = logged(self._log, state, work_j, touching, self._cut, self._unripe)
+        return state
+
+    @property
+    def events(self) -> tuple[RobotEvent, ...]:
+        """What happened in the last step."""
+        return self._log.events
+
+    def metrics(self) -> RunMetrics:
+        """What the run has come to since the last reset."""
+        full = self.config.spray.tank_l
+        return replace(
+            self._log.metrics,
+            sprayed_l={str(q): full - level for q, level in zip(LIQUIDS, self._spray.tank_l, strict=True)},
+            coverage={str(q): self.coverage(q, (-1e3,) * 3, (1e3,) * 3) for q in LIQUIDS},
+            overspray=missed_share(self._spray),
+            wrong_liquid=wrong_share(self._spray, self._canopy, self._greenhouse.diseased),
+        )
+
+    @property
+    def diseased(self) -> frozenset[str]:
+        """Names of the plants with mildew."""
+        return self._greenhouse.diseased
 
     def state(self) -> RobotState:
         """The robot as it stands."""
@@ -169,6 +213,8 @@ class World:
             carried_s=self._carried_s,
             blades_closed=self._blades_closed,
             reasons=self._reasons,
+            driven=self._driven,
+            log=self._log,
         )
         self.restore(kept)
         return kept
@@ -198,6 +244,8 @@ class World:
         self._carried_s = snapshot.carried_s
         self._blades_closed = snapshot.blades_closed
         self._reasons = snapshot.reasons
+        self._driven = snapshot.driven
+        self._log = snapshot.log
         return self.state()
 
     def coverage(self, liquid: Liquid, low_m: npt.ArrayLike, high_m: npt.ArrayLike) -> float:
@@ -214,9 +262,7 @@ class World:
 
     def overspray(self, liquid: Liquid) -> float:
         """Share 0..1 of what was sprayed of a liquid that hit no leaf."""
-        k = LIQUIDS.index(liquid)
-        missed, hit = int(self._spray.missed[k]), int(self._spray.hits[:, k].sum())
-        return missed / (missed + hit) if missed + hit else 0.0
+        return missed_share(self._spray, liquid)
 
     def head_camera_rgb(self, width: int = 320, height: int = 240) -> npt.NDArray[np.uint8]:
         """What the head camera sees, (height, width, 3) uint8 RGB, rendered in software."""
@@ -242,10 +288,13 @@ class World:
         self._carried_s = 0.0
         self._blades_closed = False
         self._reasons = ()
+        self._driven = self._setpoints.position
+        self._cut, self._missed_cut = [], False
         self._build()
         # the chassis settles on its tracks before anybody looks
         for _ in range(TICK_HZ // 4):
             self._tick()
+        self._log = RunLog(self.state())
 
     def _build(self) -> None:
         client = self._client
@@ -262,11 +311,15 @@ class World:
         s, chassis = self._setpoints, self.config.chassis
         _, _, yaw = self._robot.where()
         self._heading, left, right = track_speeds(self._heading, yaw, s.drive_m_s, s.turn_rad_s, TICK_S, chassis)
-        self._robot.follow(s, left, right)
+        servo = self.config.servo
+        self._driven = s.position if exact(servo) else driven(self._driven, s.position, servo)
+        self._robot.follow(s, self._driven, left, right)
         self._client.stepSimulation()
         closed = s.position[CUTTER] >= self.config.tool.cutter.upper
         if closed and not self._blades_closed:
-            self._crops.cut(self._robot.link_pose("right_tool"))
+            parted = self._crops.cut(self._robot.link_pose("right_tool"))
+            self._cut += [self.fruits[i].name for i in parted]
+            self._missed_cut = not parted
         self._blades_closed = closed
 
     def _spray_for(self, dt_s: float) -> None:
@@ -288,8 +341,10 @@ class World:
         fingers = (self._robot.links["gripper_left_link"], self._robot.links["gripper_right_link"])
         self._crops.observe(contacts, fingers, self._robot.link_pose("left_box"))
 
-    def _away_from_contacts(self, goals: Goals) -> Goals:
+    def _away_from_contacts(self, goals: Goals) -> tuple[Goals, bool]:
         points = self._client.getContactPoints(self._robot.id, self._obstacles)
         # PyBullet's normal points from the obstacle to the robot; points ahead of a touch do not count yet
         touches = [Touch(p[5][0], p[5][1], p[7][0], p[7][1]) for p in points if p[8] <= 0.0]
-        return away_from(touches, goals, *self._robot.where()) if touches else goals
+        if not touches:
+            return goals, False
+        return away_from(touches, goals, *self._robot.where()), True
