@@ -31,7 +31,8 @@ def export(
     """
     from server.cli.progress import frame_progress
     from teleop.errors import RecordingError
-    from teleop.recording.convert import convert, refuse_overwrite, remove
+    from teleop.recording.convert import convert, refuse_overwrite
+    from teleop.recording.resumable import remove
     from teleop.sources import open_source
 
     kind = output.suffix.lower()

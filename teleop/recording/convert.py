@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
@@ -11,6 +10,7 @@ from teleop.config.recording import RecordingConfig
 from teleop.errors import RecordingError
 from teleop.frames import Camera, DepthFrame
 from teleop.recording.fakenect_writer import FakenectWriter
+from teleop.recording.resumable import finish, prepare, remove
 from teleop.recording.rgbd_writer import RgbdFolderWriter
 from teleop.recording.writer import McapWriter
 from teleop.sources.base import Source
@@ -32,6 +32,16 @@ class FrameSink(Protocol):
         ...
 
 
+class ResumableSink(FrameSink, Protocol):
+    """One that can go on after an interruption. frames_done: how many frames it holds already."""
+
+    frames_done: int
+
+    def skip(self, frame: DepthFrame) -> None:
+        """Pass over a frame that it holds."""
+        ...
+
+
 def convert(
     source: Source,
     output: Path,
@@ -47,17 +57,25 @@ def convert(
 
     color: False leaves colour out. from_s, seconds: the part to take. force: replace an output that exists.
     on_frame is called after each frame. Returns the number of frames. Raises TeleopError; then no output is left.
+
+    Folders of a recorded source go on where an interruption (Ctrl-C, a kill, a power cut) left them, beside the output
+    as NAME.partial; files begin anew. Either way the result is the same as without the interruption.
     """
     if source.info.live and seconds is None:
         raise RecordingError(f"{source.info.uri} is live and has no end; say how many seconds to take")
     refuse_overwrite(output, source, force)
     partial = output.with_name(output.name + ".partial")
-    remove(partial)
-    count = 0
+    resumable = output.suffix.lower() != ".mcap" and not source.info.live
+    kept = False
     try:
+        if resumable:
+            prepare(partial, source.info.uri, {"color": color, "from_s": from_s, "seconds": seconds})
+        else:
+            remove(partial)
         count = _copy(source, open_sink(partial, output, source, color), color, from_s, seconds, on_frame)
         if count == 0:
             raise RecordingError(f"{source.info.uri} has no frames from {from_s} s on; nothing was written")
+        finish(partial)
         if force:
             remove(output)
         elif output.is_dir():
@@ -65,8 +83,12 @@ def convert(
         partial.replace(output)
     except OSError as error:
         raise RecordingError(f"cannot write {output}: {error.strerror or error}") from None
+    except KeyboardInterrupt:
+        kept = resumable
+        raise
     finally:
-        remove(partial)
+        if not kept:
+            remove(partial)
     return count
 
 
@@ -111,31 +133,27 @@ def _is_dataset(path: Path) -> bool:
 
 def _copy(
     source: Source,
-    sink: FrameSink,
+    sink: FrameSink | ResumableSink,
     color: bool,
     from_s: float,
     seconds: float | None,
     on_frame: Callable[[DepthFrame], None] | None,
 ) -> int:
-    count = 0
+    count, done = 0, getattr(sink, "frames_done", 0)
     first_ns: int | None = None
     try:
         for frame in source.frames(from_s):
             first_ns = frame.t_ns if first_ns is None else first_ns
             if seconds is not None and frame.t_ns - first_ns > seconds * 1e9:
                 break
-            sink.write_frame(frame if color else frame.without_color())
+            kept = frame if color else frame.without_color()
+            if count < done:
+                sink.skip(kept)  # type: ignore[union-attr]  # only such a sink has frames already
+            else:
+                sink.write_frame(kept)
             count += 1
             if on_frame is not None:
                 on_frame(frame)
     finally:
         sink.close()
     return count
-
-
-def remove(path: Path) -> None:
-    """Remove a file or a folder that was written here, if it is there."""
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)

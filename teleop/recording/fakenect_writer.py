@@ -14,6 +14,7 @@ import numpy as np
 
 from teleop.errors import RecordingError
 from teleop.frames import Camera, ColorImage, DepthFrame, Intrinsics
+from teleop.recording.resumable import keep_lines
 from teleop.sources.camera_json import write_camera_json
 from teleop.sources.fakenect_dump import INDEX
 from teleop.sources.freenect import TICKS_PER_S
@@ -28,19 +29,27 @@ class FakenectWriter:
     """One dump folder."""
 
     def __init__(self, folder: Path, camera: Camera) -> None:
-        """Create ``folder`` (which must be new) and its camera.json. Raises RecordingError."""
+        """Create ``folder`` and its camera.json, or go on with what an interrupted writer left in it.
+
+        Raises RecordingError.
+        """
         k = camera.depth
         if _WIDTH * k.height != _HEIGHT * k.width:
             raise RecordingError(f"a Kinect's images are 4:3, {k.width}x{k.height} cannot become a fakenect dump")
         self._folder = folder
         self._mirrored = camera.mirrored
         try:
-            folder.mkdir(parents=True)
+            folder.mkdir(parents=True, exist_ok=True)
             write_camera_json(folder / "camera.json", dump_camera(camera), 1000.0)
-            self._index = (folder / INDEX).open("x", encoding="utf-8")
+            self.frames_done = keep_lines(folder / INDEX, lambda _: True, lambda line: line.startswith("d-"))
+            self._index = (folder / INDEX).open("a", encoding="utf-8")
         except OSError as error:
             raise RecordingError(f"cannot write {folder}: {error.strerror or error}") from None
         self._first_ns: int | None = None
+
+    def skip(self, frame: DepthFrame) -> None:
+        """Pass over the next frame, which is there already."""
+        self._first_ns = frame.t_ns if self._first_ns is None else self._first_ns
 
     def write_frame(self, frame: DepthFrame) -> None:
         """Colour before depth, so that a player has it when the depth comes."""
@@ -53,6 +62,7 @@ class FakenectWriter:
                 self._write(f"r-{stamp}.ppm", _COLOR_HEADER + color.tobytes())
             depth = _fit(mm_to_raw(frame.depth_mm), self._mirrored)
             self._write(f"d-{stamp}.pgm", _DEPTH_HEADER + depth.astype("<u2").tobytes())
+            self._index.flush()
         except OSError as error:
             raise RecordingError(f"cannot write {self._folder}: {error.strerror or error}") from None
 
