@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from teleop.data import data_root
+from teleop.data import data_folder, data_root
 from teleop.people.distinct import distinct, limb_ends
 from teleop.people.pose import ArmPose, LegPose, Pose
 from teleop.people.rig import Floats
@@ -138,3 +138,16 @@ def library(split: str) -> PoseLibrary | None:
     limbs, trunk = np.concatenate([f.limbs for f in found]), np.concatenate([f.trunk for f in found])
     kept = distinct(limb_ends(limbs), _LEAST_M)
     return PoseLibrary(limbs[kept], trunk[kept])
+
+
+@lru_cache(maxsize=1)
+def standing_clips() -> tuple[PoseLibrary, ...]:
+    """Whole clips at 60 Hz of people who stand and work with their arms: signals, traffic, a window.
+
+    Raises DataError without the data set.
+    """
+    path = data_folder("cmu_mocap") / "cmu_actions_xyz_mm_60hz.npz"
+    words = ("basketball_signal", "directing_traffic", "washwindow")
+    with np.load(path) as data:
+        names = sorted(name for name in data.files if any(word in name for word in words))
+        return tuple(_library(data[n].astype(np.float64) * np.array([-1e-3, 1e-3, -1e-3]), _CMU) for n in names)
