@@ -13,14 +13,14 @@ def push(
     seconds: Annotated[float | None, typer.Option(min=0.1, help="Stop after this many seconds.")] = None,
     color: Annotated[bool, typer.Option("--color/--no-color", help="Send colour, or leave it out (privacy).")] = True,
     loop: Annotated[bool, typer.Option("--loop", help="Begin a recorded source again at its end.")] = False,
-    window: Annotated[int, typer.Option(min=1, max=100, help="Frames on the way at most; more are left out.")] = 3,
+    window: Annotated[int, typer.Option(min=1, max=100, help="Frames on the way at most; more are left out.")] = 8,
 ) -> None:
     """Send frames as they come; recordings go at their own pace. Reconnects when the connection is lost."""
     from server.cli.progress import frame_progress
-    from server.cli.push_run import PushOptions, push_frames
-    from teleop.sources import open_source
+    from server.cli.push_run import RETRY_S, PushOptions, push_frames
+    from teleop.sources.reconnect import open_lasting
 
-    opened = open_source(source)
+    opened = open_lasting(source, RETRY_S)
     try:
         total = None if loop else opened.info.frame_count
         with frame_progress("pushing", total) as advance:

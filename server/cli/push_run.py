@@ -28,7 +28,7 @@ class PushOptions:
     seconds: float | None = None
     color: bool = True
     loop: bool = False
-    window: int = 3
+    window: int = 8
 
 
 @dataclass(slots=True)
@@ -109,7 +109,7 @@ class _Line:
             return False
         try:
             self._take_answers(self._socket, 0.0)
-            if not self._window.may_send(frame.seq):
+            if not self._window.may_send(frame.seq, time.monotonic()):
                 self._count.dropped += 1
                 return True
             self._socket.send(encode_frame(frame))

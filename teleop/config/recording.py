@@ -28,8 +28,8 @@ class RecordingConfig(Section):
         description="largest chunk before compression [MB]; larger ones are not smaller on disk and slow a seek down",
     )
     queue_frames: int = Field(
-        default=60,
+        default=120,
         ge=4,
         le=600,
-        description="frames held back while the disk stalls; 60 are 2 s at 30 frames/s, 90 MB at 640x480",
+        description="frames held back while the disk stalls; 120 are 4 s at 30 frames/s, 180 MB at 640x480",
     )

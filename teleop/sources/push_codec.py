@@ -8,15 +8,17 @@ The sender opens with one text message, its camera. Then every frame is one bina
     6  u16 reserved, 0     32  u32  bytes of colour (JPEG), 0 for none
     8  u64 running number  36  depth, then colour
 
-The receiver answers each frame with the text ``{"type": "ack", "seq": n}``; the sender keeps a few frames on the way
-and drops newer ones meanwhile, so that a slow line costs rate, not delay.
+Depth is 16 bit, 0 for no reading; colour is registered to depth or as the announced camera says. Stamps must increase.
+The receiver answers each frame with the text ``{"type": "ack", "seq": n}``, which answers all frames before it too;
+the sender keeps a few frames on the way and drops newer ones meanwhile, so that a slow line costs rate, not delay. A
+text ``{"type": "error", "detail": "..."}`` says why the receiver hangs up.
 """
 
 from __future__ import annotations
 
 import json
 import struct
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
@@ -113,32 +115,38 @@ def decode_ack(text: str) -> int:
     return seq
 
 
-@dataclass(slots=True)
 class PushWindow:
-    """The sender's side of the flow: at most ``size`` frames on the way. Counts what was left out."""
+    """The sender's side of the flow: at most ``size`` frames on the way. Counts what was left out.
 
-    size: int = 3
-    _on_the_way: int = 0
-    _last_seq: int = -1
-    dropped: int = 0
+    Messages arrive in order but may be lost: an answer to a frame answers all before it, and a frame without an
+    answer for ``lost_s`` counts as lost, so that a full window opens again. Time comes in as an argument [s].
+    """
 
-    def may_send(self, seq: int) -> bool:
+    def __init__(self, size: int = 8, lost_s: float = 1.0) -> None:
+        self.size = size
+        self.lost_s = lost_s
+        self.dropped = 0
+        self._sent_s: dict[int, float] = {}
+
+    def may_send(self, seq: int, now_s: float) -> bool:
         """Whether frame ``seq`` goes out now; if not, it is dropped for good."""
-        if self._on_the_way >= self.size:
+        for old in [s for s, sent_s in self._sent_s.items() if now_s - sent_s > self.lost_s]:
+            del self._sent_s[old]
+        if len(self._sent_s) >= self.size:
             self.dropped += 1
             return False
-        self._on_the_way += 1
-        self._last_seq = seq
+        self._sent_s[seq] = now_s
         return True
 
     @property
     def on_the_way(self) -> int:
         """Frames that have not been answered yet."""
-        return self._on_the_way
+        return len(self._sent_s)
 
     def acknowledged(self, seq: int) -> None:
-        """An answer came. An answer to the newest frame answers all before it: messages may be lost on the way."""
-        self._on_the_way = 0 if seq >= self._last_seq else max(0, self._on_the_way - 1)
+        """An answer came."""
+        for old in [s for s in self._sent_s if s <= seq]:
+            del self._sent_s[old]
 
 
 def _depth(data: bytes, width: int, height: int) -> DepthImage:

@@ -135,10 +135,23 @@ def test_acknowledgements() -> None:
 
 def test_the_window_holds_back_until_answers_come() -> None:
     window = PushWindow(size=2)
-    assert [window.may_send(i) for i in range(4)] == [True, True, False, False]
+    assert [window.may_send(i, 0.0) for i in range(4)] == [True, True, False, False]
     assert window.dropped == 2
     window.acknowledged(0)
-    assert [window.may_send(i) for i in (4, 5)] == [True, False]
+    assert [window.may_send(i, 0.1) for i in (4, 5)] == [True, False]
     # The answer to frame 1 was lost; that to 4 answers for it.
     window.acknowledged(4)
-    assert [window.may_send(i) for i in (6, 7, 8)] == [True, True, False]
+    assert window.on_the_way == 0
+    assert [window.may_send(i, 0.2) for i in (6, 7, 8)] == [True, True, False]
+    # Frame 6 never arrived; the answer to 7 tells, and 9 alone is on the way.
+    assert not window.may_send(9, 0.3)
+    window.acknowledged(7)
+    assert window.may_send(10, 0.4) and window.on_the_way == 1
+
+
+def test_a_window_full_of_lost_frames_opens_again() -> None:
+    window = PushWindow(size=2, lost_s=1.0)
+    assert window.may_send(0, 0.0) and window.may_send(1, 0.5)
+    assert not window.may_send(2, 0.9)
+    assert window.may_send(3, 1.1)
+    assert not window.may_send(4, 1.2) and window.may_send(5, 1.6)
