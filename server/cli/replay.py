@@ -20,7 +20,9 @@ def replay(
     as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as one JSON object.")] = False,
     console: Annotated[
         bool,
-        typer.Option("--console", help="With --config: in the console under FILE's settings, the recorded robot as a ghost."),
+        typer.Option(
+            "--console", help="With --config: in the console under FILE's settings, the recorded robot as a ghost."
+        ),
     ] = False,
     port: Annotated[int | None, typer.Option(help="TCP port of the console. [default: 8000]")] = None,
 ) -> None:
