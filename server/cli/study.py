@@ -1,4 +1,4 @@
-"""``teleop study``: the three papers' experiments, each one command."""
+"""``teleop study``: the papers' experiments, each one command."""
 
 from __future__ import annotations
 
@@ -117,3 +117,24 @@ def tomato(output: Output = Path("out/study_tomato"), seed: Seed = 0, quick: Qui
     )
     typer.echo(str(r.page))
     typer.echo(_keep_motion("tomato", output))
+
+
+@study_app.command("leg-features")
+def leg_features(
+    output: Output = Path("out/study_leg_features"),
+    seed: Seed = 0,
+    seconds: Annotated[int | None, typer.Option(min=4, max=3600, help="Frames, one a second, of each (300).")] = None,
+    quick: Quick = False,
+) -> None:
+    """Which vectors of the legs keep a steady angle: ten rendered people, through the tracker (source's table 1)."""
+    from teleop.studies.leg_features import PAIRS, SOURCE_DEG2, run_leg_study
+
+    with progress_bar() as show:
+        r = run_leg_study(output, _trials(seconds, 300, quick), seed, show)
+    for i, pair in enumerate(PAIRS):
+        typer.echo(
+            f"{pair}: tracked {r.tracked_deg2[:, i].mean():.2f} deg^2, true joints {r.true_deg2[:, i].mean():.2f}, "
+            f"source {SOURCE_DEG2[pair]:.2f}"
+        )
+    typer.echo(f"steadiest as tracked: {r.steadiest} (source: H-K)")
+    typer.echo(str(r.page))

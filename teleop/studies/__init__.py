@@ -1,0 +1,1 @@
+"""Studies of the source's figures with rendered people, through the tracker; each is one command."""
