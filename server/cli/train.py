@@ -10,7 +10,11 @@ import typer
 
 def train(
     output: Annotated[Path, typer.Option(help="Model file; CARD.md is written beside it.")] = Path("body.npz"),
-    frames: Annotated[int, typer.Option(min=200, max=1_000_000, help="Rendered training frames.")] = 24000,
+    frames: Annotated[int, typer.Option(min=200, max=1_000_000, help="Rendered frames for the forest.")] = 24000,
+    network_frames: Annotated[
+        int, typer.Option(min=200, max=1_000_000, help="Rendered frames for the networks, the forest's among them.")
+    ] = 100_000,
+    steps: Annotated[int, typer.Option(min=10, max=1_000_000, help="Training steps of each network.")] = 12_500,
     trees: Annotated[int, typer.Option(min=1, max=16, help="Trees of the forest.")] = 3,
     candidates: Annotated[int, typer.Option(min=10, max=10000, help="Features tried at a node.")] = 150,
     seed: Annotated[int, typer.Option(min=0, help="Seed of every draw.")] = 2011,
@@ -24,16 +28,21 @@ def train(
         str | None, typer.Option(metavar="ADDRESS", help="Render on a Dask cluster instead, such as tcp://host:8786.")
     ] = None,
 ) -> None:
-    """Render people, grow the forest, fit it on validation frames, write the model and its card."""
+    """Render people, grow the forest, train the networks, fit them on validation frames; write model and card."""
     from rich.console import Console
     from rich.progress import Progress
 
     from teleop.training.build import BuildSpec
+    from teleop.training.locating import CoarseSpec
     from teleop.training.recipe import Recipe, train_model
+    from teleop.training.refining import RefinerSpec
     from teleop.training.trainer import TreeSpec
 
     recipe = Recipe(
         frames=frames,
+        network_frames=network_frames,
+        coarse=CoarseSpec(steps=steps),
+        refiner=RefinerSpec(steps=steps),
         seed=seed,
         workers=workers,
         scheduler=scheduler,

@@ -166,8 +166,11 @@ def grow_mask(
                     d = np.int32(depth_mm[v, u])
                     if d == 0 or d * 1e-3 * (floor_row[0] * u + floor_row[1] * v + floor_row[2]) + floor_row[3] <= 0:
                         continue
-                    for rr in range(max(r - 1, 0), min(r + 2, rows)):
-                        for cc in range(max(c - 1, 0), min(c + 2, columns)):
-                            if chosen[rr, cc] and abs(d - np.int32(grid_mm[rr, cc])) < limit[rr, cc]:
-                                mask[v, u] = True
+                    # nearly always its own cell agrees
+                    inside = chosen[r, c] and abs(d - np.int32(grid_mm[r, c])) < limit[r, c]
+                    if not inside:
+                        for rr in range(max(r - 1, 0), min(r + 2, rows)):
+                            for cc in range(max(c - 1, 0), min(c + 2, columns)):
+                                inside |= chosen[rr, cc] and abs(d - np.int32(grid_mm[rr, cc])) < limit[rr, cc]
+                    mask[v, u] = inside
     return mask

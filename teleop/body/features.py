@@ -25,7 +25,8 @@ class PaddedImage:
     """A canonical depth image of the operator alone.
 
     depth_mm: (h, w) int16, FAR_MM off the operator. u0, v0: canonical image coordinates of element (0, 0), may be
-    negative. fx, fy, cx, cy: canonical intrinsics: x = (u - cx) z / fx, y = -(v - cy) z / fy.
+    negative. fx, fy, cx, cy: canonical intrinsics: x = (u - cx) z / fx, y = -(v - cy) z / fy. pad: rows and columns
+    of padding on each side.
     """
 
     depth_mm: npt.NDArray[np.int16]
@@ -35,6 +36,16 @@ class PaddedImage:
     fy: float
     cx: float
     cy: float
+    pad: int = 0
+
+    def inner(self) -> npt.NDArray[np.int16]:
+        """A copy of the image without its padding."""
+        height, width = self.depth_mm.shape
+        return self.depth_mm[self.pad : height - self.pad, self.pad : width - self.pad].copy()
+
+    def inner_intrinsics(self) -> npt.NDArray[np.float64]:
+        """fx, fy, cx, cy (4,) counted from the first pixel of inner()."""
+        return np.array([self.fx, self.fy, self.cx - self.u0 - self.pad, self.cy - self.v0 - self.pad])
 
 
 def pad_image(
@@ -66,7 +77,7 @@ def pad_image(
         # pixel u of the camera is pixel -u here: the canonical image may begin anywhere
         cx, left = -cx, -(left + width - 1)
     image[pad : pad + height, pad : pad + width] = body
-    return PaddedImage(image, left - pad, v0 // step - pad, fx, fy, cx, cy)
+    return PaddedImage(image, left - pad, v0 // step - pad, fx, fy, cx, cy, pad)
 
 
 def working_step(camera: Camera, working_focal_px: float) -> int:

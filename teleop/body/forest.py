@@ -33,19 +33,18 @@ def walk(
     unit_y: npt.NDArray[np.float32],
     root: int,
     max_depth: int,
-    offsets: npt.NDArray[np.int16],
-    thresholds_mm: npt.NDArray[np.int16],
-    children: npt.NDArray[np.int32],
+    nodes: npt.NDArray[np.int16],
     leaves: npt.NDArray[np.int32],
 ) -> npt.NDArray[np.int32]:
     """Leaf (N,) of each pixel in one tree.
 
     flat_mm: padded image(s), see depth_difference. at: (N,) the pixels. image: (N,) index of each pixel's image.
     widths, unit_x, unit_y: of the images; a unit is pixels times mm per 0.1 mm of offset, the depth is divided out
-    here; a negative unit_x walks the mirrored image.
+    here; a negative unit_x walks the mirrored image. nodes: see teleop.body.model.pack_nodes.
     """
     n = len(at)
     out = np.empty(n, np.int32)
+    children = nodes.view(np.int32)
     node = np.empty(LANES, np.int32)
     place = np.empty(LANES, np.int64)
     width = np.empty(LANES, np.int64)
@@ -65,9 +64,9 @@ def walk(
             moving = False
             for k in range(lanes):
                 i = node[k]
-                f = depth_difference(flat_mm, place[k], width[k], sx[k], sy[k], offsets, i)
+                f = depth_difference(flat_mm, place[k], width[k], sx[k], sy[k], nodes, i)
                 # a leaf is its own child and its threshold is never reached, so it stays
-                node[k] = children[i] + np.int32(f >= thresholds_mm[i])
+                node[k] = children[i, 3] + np.int32(f >= nodes[i, 4])
                 moving |= node[k] != i
             if not moving:
                 break
@@ -94,9 +93,7 @@ def forest_leaves(model: BodyModel, image: PaddedImage, where: npt.NDArray[np.in
             unit_y,
             int(root),
             model.max_depth,
-            model.offsets,
-            model.thresholds_mm,
-            model.children,
+            model.nodes,
             model.leaves,
         )
     return out

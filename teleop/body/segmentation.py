@@ -142,7 +142,7 @@ def candidate(frame: DepthFrame, scene: Scene, label: int, config: SegmentationC
         return None
     box = (int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1)
     centre = scene.points_m[cells].mean(axis=0, dtype=np.float64)
-    return Candidate(mask, box, int(mask.sum()), centre)
+    return Candidate(mask, box, int(np.count_nonzero(mask)), centre)
 
 
 def grid_mask(candidate_: Candidate, step: int) -> npt.NDArray[np.bool_]:

@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
-from teleop.body.correction import corrected
+from teleop.body.cascade import place, trust
 from teleop.body.features import pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
+from teleop.body.layers import one_thread_products
 from teleop.body.model import BodyModel
 from teleop.body.person import person_features, person_probability
 from teleop.body.segmentation import Candidate, Scene, candidate, grid_mask, look, rank
@@ -58,6 +59,7 @@ class BodyTracker:
         self.config = config
         self._weight_of = vote_weights(config.proposals)
         self._max_offset_m = model.max_offset_m
+        one_thread_products()
 
     def initial_state(self) -> TrackerState:
         """The state before the first frame."""
@@ -111,11 +113,14 @@ class BodyTracker:
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
         joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
-        if self.config.skeleton.enabled:
-            limit_m = self.config.skeleton.correction_limit_m
-            joints = corrected(joints, model.correction, model.correction_mean_m, limit_m)
         cues = person_features(parts, proposals, joints, confidence, model.bones_m, camera.depth.fx)
-        return Single(joints, confidence, parts, cues, person_probability(cues, model.person_weights))
+        person = person_probability(cues, model.person_weights)
+        if model.cascade is not None and self.config.cascade.enabled:
+            placed = place(model.cascade, image, joints, self.config.cascade)
+            confidence = trust(placed.cues, model.cascade.trust)
+            sure = confidence >= self.config.cascade.min_confidence
+            joints = np.where(sure[:, None], placed.joints_m, np.nan)
+        return Single(joints, confidence, parts, cues, person)
 
     def warm_up(self, camera: Camera) -> None:
         """Compile every kernel by tracking two frames of a standing shape, so that the first real frame is quick."""

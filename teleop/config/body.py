@@ -52,15 +52,15 @@ class ForestConfig(Section):
         description="the image is decimated to about this focal length [px]: that of the training images, 320x240",
     )
     max_pixels: int = Field(
-        4500, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
+        800, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
     )
 
 
 class ProposalConfig(Section):
     """From votes to joint proposals (mean shift)."""
 
-    max_points: int = Field(300, ge=20, le=5000, description="votes kept for a joint, the surest ones")
-    starts: int = Field(5, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
+    max_points: int = Field(150, ge=20, le=5000, description="votes kept for a joint, the surest ones")
+    starts: int = Field(3, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
     iterations: int = Field(30, ge=1, le=500, description="most mean-shift steps from a start")
     tolerance_m: float = Field(0.0005, gt=0, le=0.02, description="a shorter shift ends the iteration [m]")
     spread_power: float = Field(
@@ -77,7 +77,6 @@ class SkeletonConfig(Section):
     weight_power: float = Field(
         2.0, ge=0, le=10, description="how much the weight of a mode counts against bone lengths"
     )
-    correction_limit_m: float = Field(0.06, ge=0, le=0.5, description="farthest that the learned correction moves [m]")
     max_bone: float = Field(
         1.8, ge=1, le=10, description="bones longer than this share of the mean person's are wrong; the tallest has 1.2"
     )
@@ -89,6 +88,22 @@ class SkeletonConfig(Section):
         gt=0,
         le=5,
         description="distance from the last frame's joint that costs as much as a weight ratio of e [m]",
+    )
+
+
+class CascadeConfig(Section):
+    """Networks that place the joints from the operator's depth image and the forest's proposals."""
+
+    enabled: bool = Field(True, description="false takes the forest's joints as they are")
+    limb_rounds: int = Field(1, ge=0, le=5, description="further looks at elbows, wrists, hands, knees, ankles, feet")
+    opinion_m: float = Field(
+        0.1, gt=0, le=5, description="a joint of the forest farther away than this is looked at as well [m]; measured"
+    )
+    opinion_ratio: float = Field(
+        0.7, ge=0, le=1, description="the forest's joint is taken when its spread is below this share; measured"
+    )
+    min_confidence: float = Field(
+        0.3, ge=0, le=1, description="a joint less likely than this to be within 10 cm is unknown [1]"
     )
 
 
@@ -123,6 +138,7 @@ class BodyConfig(Section):
     forest: ForestConfig = Field(default_factory=ForestConfig)
     proposals: ProposalConfig = Field(default_factory=ProposalConfig)
     skeleton: SkeletonConfig = Field(default_factory=SkeletonConfig)
+    cascade: CascadeConfig = Field(default_factory=CascadeConfig)
     person: PersonConfig = Field(default_factory=PersonConfig)
     filter: FilterConfig = Field(default_factory=FilterConfig)
     max_gap_s: float = Field(0.5, gt=0, le=60, description="a longer gap between two frames resets the tracker [s]")

@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.correction import N_CUES, N_NEIGHBOURS
 from teleop.body.model import BodyModel
 from teleop.body.person import N_FEATURES
 from teleop.joints import BONES, N_JOINTS
@@ -47,7 +46,7 @@ def bone_lengths(joints_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 def join_trees(
     trees: list[Tree], leaves: list[Leaves], bones_m: npt.NDArray[np.float64], meta: dict[str, Any]
 ) -> BodyModel:
-    """One model of several trees; what fitting.py and correcting.py learn is still to be fitted."""
+    """One model of several trees; what fitting.py and the networks learn is still to come."""
     node_base = np.cumsum([0, *(len(t.children) for t in trees)])
     leaf_base = np.cumsum([0, *(len(c.parts) for c in leaves)])
     return BodyModel(
@@ -68,8 +67,6 @@ def join_trees(
         reference=np.ones(N_JOINTS),
         bones_m=bones_m,
         person_weights=np.zeros(2 * N_FEATURES + 1),
-        correction=np.zeros((N_JOINTS, N_CUES, 3)),
-        correction_mean_m=np.zeros((N_JOINTS, N_NEIGHBOURS, 3)),
         max_depth=max(t.max_depth for t in trees),
         meta=meta,
     )

@@ -103,16 +103,18 @@ def fit_model(model: BodyModel, images: Images, frames: int, config: BodyConfig)
 
 
 def logistic_weights(
-    rows: npt.NDArray[np.float64], labels: npt.NDArray[np.bool_], ridge: float
+    rows: npt.NDArray[np.float64], labels: npt.NDArray[np.bool_], ridge: float, balanced: bool = True
 ) -> npt.NDArray[np.float64]:
-    """Weights (D,) of a ridge-regularised logistic regression on rows (N, D), both classes weighing the same.
+    """Weights (D,) of a ridge-regularised logistic regression on rows (N, D); balanced: both classes weigh the same.
 
     Newton's method; the ridge acts on standardised columns, the last column is the constant one.
     """
     mean, scale = rows[:, :-1].mean(axis=0), rows[:, :-1].std(axis=0) + 1e-9
     x = np.concatenate([(rows[:, :-1] - mean) / scale, np.ones((len(rows), 1))], axis=1)
     y = labels.astype(np.float64)
-    sample = np.where(labels, 0.5 / max(labels.sum(), 1), 0.5 / max((~labels).sum(), 1)) * len(rows)
+    sample = np.ones(len(rows))
+    if balanced:
+        sample = np.where(labels, 0.5 / max(labels.sum(), 1), 0.5 / max((~labels).sum(), 1)) * len(rows)
     penalty = np.full(x.shape[1], ridge)
     penalty[-1] = 1e-6
     w = np.zeros(x.shape[1])

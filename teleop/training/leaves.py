@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.forest import walk
-from teleop.body.model import OFFSET_UNIT_M, SPREAD_UNIT_M
+from teleop.body.model import OFFSET_UNIT_M, SPREAD_UNIT_M, pack_nodes
 from teleop.body.parts import N_PARTS
 from teleop.joints import MIRROR_JOINT, N_JOINTS
 from teleop.training.dataset import Images, Pixels
@@ -98,9 +98,7 @@ def tree_leaves(images: Images, pixels: Pixels, tree: Tree) -> npt.NDArray[np.in
         unit.astype(np.float32),
         0,
         tree.max_depth,
-        tree.offsets,
-        tree.thresholds_mm,
-        tree.children,
+        pack_nodes(tree.offsets, tree.thresholds_mm, tree.children),
         tree.leaves,
     )
 

@@ -1,0 +1,110 @@
+"""All joints at once from the whole operator: a small convolutional network over one metric crop.
+
+Every cell of its last layer is an anchor that votes for every joint (after A2J: Xiong et al., ICCV 2019): it knows
+what the operator's pose is as a whole, so it finds the hand that a pixel's surroundings alone cannot tell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from teleop.body.crop import WHOLE, body_centre, crop_cells
+from teleop.body.layers import F32, Convolution, convolve
+from teleop.joints import N_JOINTS
+
+REACH_M: Final = 0.3
+"""Metres that an anchor's output of 1 lies from the anchor."""
+SPREAD_M: Final = 0.05
+"""Metres of a log spread of 0."""
+N_OUTPUTS: Final = 5
+"""Of an anchor for a joint: vote weight (logit), offsets right, down and in depth, log spread."""
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoarseNet:
+    """convolutions: from the crop to the anchors. head: (channels, J * N_OUTPUTS). head_bias: (J * N_OUTPUTS,)."""
+
+    convolutions: tuple[Convolution, ...]
+    head: F32
+    head_bias: F32
+
+
+def anchor_places(rows: int, columns: int) -> F32:
+    """Places (A, 2) in metres right of and below the crop's centre."""
+    cell_y, cell_x = WHOLE.rows / rows * WHOLE.cell_m, WHOLE.columns / columns * WHOLE.cell_m
+    y, x = np.mgrid[:rows, :columns].astype(np.float32)
+    places = np.stack([(x + 0.5 - 0.5 * columns) * cell_x, (y + 0.5 - 0.5 * rows) * cell_y], axis=-1)
+    return places.reshape(-1, 2).astype(np.float32)
+
+
+def from_crop(places_m: Floats, centre: tuple[float, float, float], intrinsics: Floats) -> Floats:
+    """Skeleton-space joints (J, 3) of places in the crop: right, down and deeper than its centre, in metres.
+
+    centre: column, row and depth; see body_centre. intrinsics: fx, fy, cx, cy.
+    """
+    column, row, depth_m = centre
+    fx, fy, cx, cy = intrinsics
+    z = depth_m + places_m[:, 2]
+    x = (places_m[:, 0] / depth_m + (column - cx) / fx) * z
+    y = -(places_m[:, 1] / depth_m + (row - cy) / fy) * z
+    return np.stack([x, y, z], axis=1)
+
+
+def to_crop(joints_m: Floats, centre: tuple[float, float, float], intrinsics: Floats) -> Floats:
+    """The inverse of from_crop."""
+    column, row, depth_m = centre
+    fx, fy, cx, cy = intrinsics
+    z = joints_m[:, 2]
+    right = (joints_m[:, 0] / z - (column - cx) / fx) * depth_m
+    down = (-joints_m[:, 1] / z - (row - cy) / fy) * depth_m
+    return np.stack([right, down, z - depth_m], axis=1)
+
+
+def places(net: CoarseNet, crop: F32) -> tuple[Floats, Floats]:
+    """Places (J, 3) in the crop, see from_crop, and their spread (J,) in metres. crop: (rows, columns, 2)."""
+    values = crop[None]
+    for layer in net.convolutions:
+        values = convolve(layer, values)
+    _, rows, columns, channels = values.shape
+    out = (values.reshape(-1, channels) @ net.head + net.head_bias).reshape(-1, N_JOINTS, N_OUTPUTS)
+    weight = np.exp(out[..., 0] - out[..., 0].max(axis=0))
+    weight /= weight.sum(axis=0)
+    voted = np.einsum("aj,ajo->jo", weight, out[..., 1:])
+    voted[:, :3] *= REACH_M
+    voted[:, :2] += weight.T @ anchor_places(rows, columns)
+    return voted[:, :3].astype(np.float64), np.exp(voted[:, 3].astype(np.float64)) * SPREAD_M
+
+
+def locate(
+    net: CoarseNet, flat_mm: npt.NDArray[np.int16], width: int, height: int, intrinsics: Floats
+) -> tuple[Floats, Floats]:
+    """All joints (20, 3) of the operator, seen or not, and their spread (20,) in metres.
+
+    flat_mm: canonical image of the operator, row by row. intrinsics: fx, fy, cx, cy counted from its first pixel.
+    """
+    centre = body_centre(flat_mm, 0, width, height)
+    s = WHOLE
+    crop = crop_cells(
+        flat_mm,
+        0,
+        width,
+        height,
+        *centre,
+        float(intrinsics[0]),
+        float(intrinsics[1]),
+        False,
+        s.rows,
+        s.columns,
+        s.cell_m,
+        s.unit_m,
+        s.near,
+        s.far,
+    )
+    found, spread = places(net, crop)
+    return from_crop(found, centre, intrinsics), spread
