@@ -101,6 +101,13 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
     for line in repair_folder(settings.library):
         _log.warning(line)
     engine = Engine(settings, tracker, world, hub)
+    live = None
+    if settings.foxglove:
+        from server.foxglove_live import FoxgloveLive
+
+        live = FoxgloveLive(world.urdf, settings.foxglove_port, settings.recording.jpeg_quality)
+        live.start()
+        engine.on_moment = live.offer
     engine.start()
     try:
         if settings.source and not waits_for_sender:
@@ -129,4 +136,6 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
         StoppingServer(config, engine, read).run(sockets=[listener])
     finally:
         engine.stop()
+        if live is not None:
+            live.stop()
         _log.info("stopped")

@@ -138,6 +138,8 @@ class Settings(Section):
         description="the robot: pybullet: (simulation) or serial:PORT (servo controller, docs/servo_protocol.md)",
     )
     loop: bool = Field(default=True, description="start a recorded source again at its end")
+    foxglove: bool = Field(default=False, description="open Foxglove's websocket on this machine (loopback)")
+    foxglove_port: int = Field(default=8765, ge=0, le=65535, description="TCP port of Foxglove's websocket; 0: any")
     record: bool = Field(default=False, description="record the session to the library")
     library: Path = Field(default_factory=default_library, description="folder of own recordings")
     studies: Path = Field(default_factory=default_studies, description="folder of the motions of 'teleop study'")

@@ -18,6 +18,10 @@ def serve(
     ] = None,
     loop: Annotated[bool | None, typer.Option("--loop/--no-loop", help="Start a recording again at its end.")] = None,
     record: Annotated[bool | None, typer.Option("--record/--no-record", help="Record the session.")] = None,
+    foxglove: Annotated[
+        bool | None, typer.Option("--foxglove/--no-foxglove", help="Open Foxglove's websocket, on this machine only.")
+    ] = None,
+    foxglove_port: Annotated[int | None, typer.Option(help="Its TCP port. [default: 8765]")] = None,
     tls_cert: Annotated[Path | None, typer.Option(help="PEM certificate chain: serve https.", metavar="FILE")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="PEM private key of the certificate.", metavar="FILE")] = None,
     new_tokens: Annotated[
@@ -37,6 +41,8 @@ def serve(
 
     flags: dict[str, object] = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
     flags |= {"tls_cert": tls_cert, "tls_key": tls_key, "log_format": log_format, "drives": robot}
+
+    flags |= {"foxglove": foxglove, "foxglove_port": foxglove_port}
 
     def read() -> Settings:
         settings = load_settings(config, flags)
@@ -65,6 +71,8 @@ def serve(
             playing = f"source {settings.source}" if settings.source else "no source yet"
             scheme = "http" if settings.tls_cert is None else "https"
             out.print(f"{scheme}://{host}:{settings.port}  {playing}  (Ctrl-C stops)", soft_wrap=True)
+            if settings.foxglove:
+                out.print(f"Foxglove: open a connection to ws://localhost:{settings.foxglove_port}", soft_wrap=True)
 
         def show(tokens: Mapping[str, str]) -> None:
             out.print("tokens, shown this once; clients on this machine need none to operate:")

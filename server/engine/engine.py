@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 import uuid
@@ -35,7 +36,6 @@ from teleop.sources.base import Source
 
 T = TypeVar("T")
 _KEPT_SESSIONS = 50
-_OPENED_S = 10.0
 CALL_TIMEOUT_S = 10.0
 """Longest wait for the engine between two steps; only a dead engine needs more."""
 
@@ -61,9 +61,11 @@ class Engine(threading.Thread):
         self._sessions: deque[Session] = deque(maxlen=_KEPT_SESSIONS)
         self._switching = threading.Lock()
         self._stopping = False
-        self._audits: deque[tuple[float, str, str]] = deque(maxlen=8)
+        self._opened_by = (-math.inf, "")
         self._head_s = 0.0
         self._reported: str | None = None
+        self.on_moment: Callable[[Moment], None] | None = None
+        """Who else is told of every step; must return at once."""
         self.frames = 0
         self._stepped_s = time.monotonic()
 
@@ -203,7 +205,8 @@ class Engine(threading.Thread):
         """Tell the recording that is being made who did what. Does nothing while the server shuts down."""
 
         def work() -> None:
-            self._audits.append((time.monotonic(), action, detail))
+            if action == "sessions":
+                self._opened_by = (time.monotonic(), detail)
             session = self._session
             if session is not None and session.recorder is not None:
                 session.recorder.audit(action, detail)
@@ -273,6 +276,8 @@ class Engine(threading.Thread):
         session = self._session
         self._stepped_s = time.monotonic()
         self.publisher.publish(moment)
+        if self.on_moment is not None:
+            self.on_moment(moment)
         if self._hub.count:
             self.publisher.coverage(self._core.world.wet_leaves)
         if session is not None and session.recorder is not None and session.recording_now:
@@ -300,9 +305,9 @@ class Engine(threading.Thread):
         self._reported = None
         self._session = self.publisher.session = session
         self._sessions.append(session)
-        for at_s, action, detail in self._audits:
-            if session.recorder is not None and time.monotonic() - at_s < _OPENED_S:
-                session.recorder.audit(action, detail)  # who opened it
+        at_s, who = self._opened_by
+        if session.recorder is not None and time.monotonic() - at_s < CALL_TIMEOUT_S:
+            session.recorder.audit("sessions", who)
         self._say_hello()
         self.publisher.announce("source", "source.opened", session.name)
 

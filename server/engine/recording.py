@@ -139,7 +139,7 @@ class SessionRecorder:
             return True  # nothing before the first frame counts: the robot begins from its start there
         for event in moment.events:
             self._recorder.write_event(event)
-        self._recorder.write_input(self._last_ns, _inputs_row(moment, stored))
+        self._recorder.write_input(self._last_ns, inputs_row(moment, stored))
         return self._recorder.status.error is None
 
     def write_settings(self, settings: Settings) -> None:
@@ -172,7 +172,7 @@ class SessionRecorder:
             self._waiting = None
 
 
-def _inputs_row(moment: Moment, stored: bool) -> dict[str, Any]:
+def inputs_row(moment: Moment, stored: bool) -> dict[str, Any]:
     """All that replay needs beside the frames. ``sim_time_s`` counts the physics ticks.
 
     frame: the step had one. stored: the recording holds it; one whose stamp was refused is known by its stamp alone.
