@@ -40,8 +40,14 @@ def main() -> bool:
 
 def build(folder: Path) -> Path:
     """``python -m build --wheel``, as a release is made."""
-    command = [sys.executable, "-m", "build", "--wheel", "--outdir", str(folder), str(ROOT)]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    clean = folder / "source"  # what an earlier build left behind must not get in
+    clean.mkdir()
+    for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "constraints.txt"):
+        shutil.copy(ROOT / name, clean)
+    for name in ("robot_sim", "teleop", "server", "recordings"):
+        shutil.copytree(ROOT / name, clean / name, ignore=shutil.ignore_patterns("__pycache__"))
+    command = [sys.executable, "-m", "build", "--wheel", "--outdir", str(folder), str(clean)]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=_environment())
     (wheel,) = folder.glob("*.whl")
     return wheel
 
@@ -51,8 +57,13 @@ def install(wheel: Path, environment: Path) -> Path:
     subprocess.run([sys.executable, "-m", "venv", str(environment)], check=True)
     python = environment / "bin" / "python"
     pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "-c", str(ROOT / "constraints.txt"), str(wheel)], check=True)
+    subprocess.run([*pip, "-c", str(ROOT / "constraints.txt"), str(wheel)], check=True, env=_environment())
     return python
+
+
+def _environment() -> dict[str, str]:
+    """This one without what would let the source tree's modules in."""
+    return {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
 
 
 def use(python: Path, folder: Path) -> None:

@@ -50,6 +50,8 @@ def _complete(document: dict[str, Any]) -> None:
         for verb, operation in operations.items():
             needs = need(verb.upper(), path)
             statuses = {403}  # a foreign host or origin
+            if "422" in operation["responses"]:
+                statuses.add(422)
             if needs.role is not None:
                 operation["security"] = [{"token": []}, {}]
                 operation["x-role"] = needs.role.label
