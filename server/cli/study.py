@@ -138,3 +138,16 @@ def leg_features(
         )
     typer.echo(f"steadiest as tracked: {r.steadiest} (source: H-K)")
     typer.echo(str(r.page))
+
+
+@study_app.command()
+def mapping(output: Output = Path("out/study_mapping")) -> None:
+    """Arm mapping, paper against direction: how far the robot's upper arm points from the operator's."""
+    import numpy as np
+
+    from teleop.studies.mapping_difference import run_mapping_study
+
+    r = run_mapping_study(output)
+    for name, error_deg in r.errors_deg.items():
+        typer.echo(f"{name}: mean {np.nanmean(error_deg):.1f} deg, largest {np.nanmax(error_deg):.1f} deg")
+    typer.echo(str(r.page))

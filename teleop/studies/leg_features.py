@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robot_sim.studies.figures import new_figure, save
-from robot_sim.studies.report import Report, table
+from robot_sim.studies.report import Cell, Report, table
 from teleop.body.model import load_model
 from teleop.body.tracker import BodyTracker
 from teleop.config.body import BodyConfig
@@ -110,8 +110,8 @@ def _write(study: LegStudy, folder: Path, seconds: int, seed: int) -> None:
         + " The source's absolute figures are those of people who stood still between samples and of a tracker that "
         "smooths over time; ours are single frames."
     )
-    per_person = [
-        (f"{100 * h:.0f} cm, {m:.0f} kg", *(float(v) for v in row))
+    per_person: list[list[Cell]] = [
+        [f"{100 * h:.0f} cm, {m:.0f} kg", *(float(v) for v in row)]
         for (h, m), row in zip(PEOPLE, study.tracked_deg2, strict=True)
     ]
     report.csv_only(table("people", "Tracked variance of each person [deg^2]", ("person", *PAIRS), per_person))
