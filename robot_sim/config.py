@@ -84,7 +84,7 @@ class ArmConfig(RobotSection):
         default=0.08, ge=-0.2, le=0.4, description="right, left shoulder before the mast [m]"
     )
     toe_in_rad: float = Field(
-        default=0.349,
+        default=0.279,
         ge=0.0,
         le=0.8,
         description="right and left shoulder frames turned inwards [rad]; choice: C2 only swings outwards (0..90 deg "

@@ -23,7 +23,7 @@ def upper_body(config: RobotConfig) -> list[Link | Joint]:
         com_m=(0.0, 0.0, 0.22),
         visuals=(*_disc(), *_torso(), *_shoulders(config)),
         collisions=(
-            cylinder(0.16, 0.05, (0.0, 0.0, 0.0)),
+            cylinder(0.132, 0.05, (0.0, 0.0, 0.0)),
             box(0.16, 0.24, 0.34, (0.0, 0.0, 0.28)),
         ),
     )
@@ -77,11 +77,11 @@ def head(config: RobotConfig) -> list[Link | Joint]:
 
 def _disc() -> list[Shape]:
     return [
-        cylinder(0.155, 0.022, (0.0, 0.0, -0.009), "leaf"),
-        cylinder(0.160, 0.014, (0.0, 0.0, 0.009), "shell"),
+        cylinder(0.128, 0.022, (0.0, 0.0, -0.009), "leaf"),
+        cylinder(0.132, 0.014, (0.0, 0.0, 0.009), "shell"),
         cylinder(0.085, 0.075, (0.0, 0.0, 0.05), "graphite"),
         # where the chest faces, marked on the disc
-        box(0.030, 0.050, 0.016, (0.140, 0.0, 0.010), "signal"),
+        box(0.030, 0.050, 0.016, (0.114, 0.0, 0.012), "signal"),
     ]
 
 

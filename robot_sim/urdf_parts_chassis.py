@@ -62,9 +62,9 @@ def lift(config: RobotConfig) -> list[Link | Joint]:
             box(0.10, 0.022, rise, (0.0, 0.0, -0.5 * rise - 0.03), "graphite"),
             box(0.022, 0.10, rise, (0.0, 0.0, -0.5 * rise - 0.03), "graphite"),
             cylinder(0.115, 0.03, (0.0, 0.0, -0.055), "graphite"),
-            cylinder(0.145, 0.018, (0.0, 0.0, -0.031), "metal"),
+            cylinder(0.128, 0.018, (0.0, 0.0, -0.031), "metal"),
         ),
-        collisions=(cylinder(0.145, 0.05, (0.0, 0.0, -0.045)),),
+        collisions=(cylinder(0.128, 0.05, (0.0, 0.0, -0.045)),),
     )
     joint = Joint(
         "lift", "base_link", "lift_link", (0.0, 0.0, z), axis=(0.0, 0.0, 1.0), kind="prismatic", limits=b.lift

@@ -20,11 +20,11 @@ BOX_SIZE_M: Vec3 = (0.25, 0.25, 0.12)
 BOX_WALL_M = 0.006
 BOX_PITCH_RAD = radians(75.0)
 """The box is level when the forearm points this far up from straight down (c1 + bend of the elbow): a relaxed arm."""
-BOX_AHEAD_M, BOX_BELOW_M = 0.16, 0.145
-"""Middle of the level box beyond the flange and below it."""
+BOX_AHEAD_M, BOX_INWARD_M, BOX_BELOW_M = 0.16, 0.08, 0.17
+"""Middle of the level box beyond the flange, to the robot's right of it (held at its side), and below it."""
 BOX_MIDDLE_M: Vec3 = (
     BOX_AHEAD_M * cos(BOX_PITCH_RAD) - BOX_BELOW_M * sin(BOX_PITCH_RAD),
-    0.0,
+    -BOX_INWARD_M,
     -BOX_AHEAD_M * sin(BOX_PITCH_RAD) - BOX_BELOW_M * cos(BOX_PITCH_RAD),
 )
 """The same in the forearm's axes, from the flange."""
@@ -118,7 +118,10 @@ def fruit_box(config: RobotConfig) -> list[Link | Joint]:
             box(0.052, 0.100, 0.026, (0.0, 0.0, -0.020), "graphite"),
             box(0.036, 0.104, 0.008, (0.0, 0.0, -0.031), "metal"),
             # two brackets from the flange down to the box's near rim
-            *(box(0.020, 0.014, 0.090, (-0.016, s * 0.046, -0.060), "graphite", (0.0, 0.35, 0.0)) for s in (1.0, -1.0)),
+            *(
+                box(0.020, 0.014, 0.110, (-0.026, s * 0.046 - 0.02, -0.065), "graphite", (0.0, 0.45, 0.0))
+                for s in (1.0, -1.0)
+            ),
         ),
         collisions=(box(0.052, 0.100, 0.026, (0.0, 0.0, -0.020)),),
     )
