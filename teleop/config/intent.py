@@ -197,11 +197,11 @@ class HandConfig(Section):
     )
     min_pixels: int = Field(default=40, ge=5, le=5000, description="fewer hand pixels are no answer [px]; ours")
     max_ray_cos: float = Field(
-        default=0.85, ge=0.0, le=1.0, description="forearm along the ray beyond this cosine: unknown [1]; 32 deg"
+        default=0.95, ge=0.0, le=1.0, description="forearm along the ray beyond this cosine: unknown [1]; 18 deg"
     )
     min_confidence: float = Field(default=0.2, ge=0.0, le=1.0, description="hand joints below it: unknown [1]; ours")
     decide_margin: float = Field(
-        default=0.5, ge=0.0, le=10.0, description="log odds nearer zero than this: unknown [1]; rendered hands"
+        default=1.0, ge=0.0, le=10.0, description="log odds nearer zero than this: unknown [1]; 73 %, rendered hands"
     )
     skin: tuple[float, float, float, float, float] | None = Field(
         default=None,
