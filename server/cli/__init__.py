@@ -22,8 +22,10 @@ from server.cli.record import record
 from server.cli.replay import replay
 from server.cli.serve import serve
 from server.cli.study import study_app
+from server.cli.study_hands import hands
 from server.cli.track import track
 from server.cli.train import train
+from server.cli.train_hands import train_hands
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
 """The base of all wrong usage; typer exports only its most common case."""
@@ -35,8 +37,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (serve, track, record, replay, push, convert, export, info, doctor, train, evaluate):
+for command in (serve, track, record, replay, push, convert, export, info, doctor, train, train_hands, evaluate):
     app.command()(command)
+study_app.command()(hands)
 app.add_typer(study_app, name="study")
 app.add_typer(operators_app, name="operators")
 
