@@ -58,7 +58,7 @@ def prepared(folder: Path, **settings_given: object) -> Iterator[tuple[FastAPI, 
     bundled = folder / "bundled"
     bundled.mkdir()
     write_walk(bundled / "walk.mcap")
-    settings = Settings.model_validate(settings_given)
+    settings = Settings.model_validate({"operators": folder / "operators", **settings_given})
     hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     ready = tracker(settings)
     ready.warm_up(frames()[0].camera)  # compiling takes longer than a client waits
