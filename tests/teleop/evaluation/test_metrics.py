@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from teleop.config.intent import AngleConfig
-from teleop.joints import JOINT_INDEX
 from teleop.evaluation.angle_figures import ANGLES, body_angles_deg
 from teleop.evaluation.metrics import average_precision, joint_figures
 from teleop.evaluation.section import table
+from teleop.joints import JOINT_INDEX
 
 
 def test_joint_figures() -> None:
