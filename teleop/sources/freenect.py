@@ -17,6 +17,7 @@ from teleop.sources import freenect_api as api
 from teleop.sources.base import SourceInfo
 from teleop.sources.kinect_depth import raw_to_mm
 from teleop.sources.live import TickClock, increasing
+from teleop.sources.registration import Registration
 
 TICKS_PER_S = 60_000_000
 """The Kinect stamps frames with its 60 MHz clock."""
@@ -46,7 +47,7 @@ def _require_dump() -> None:
 
 
 class FreenectSource:
-    """One Kinect v1, 640x480 at 30 frames/s, in millimetres, not mirrored; registered where the library can."""
+    """One Kinect v1, 640x480 at 30 frames/s, in millimetres, not mirrored; registered by the library, else by us."""
 
     def __init__(self, argument: str = "") -> None:
         """argument: the device's index, 0 when empty. Raises SourceError."""
@@ -56,6 +57,7 @@ class FreenectSource:
         self._closed = False
         self._depth: tuple[int, bytes] | None = None
         self._color: bytes | None = None
+        self._registration = Registration(UNREGISTERED)
         self._library = api.load()
         self._context = api.open_context(self._library)
         self._device = ctypes.c_void_p()
@@ -67,7 +69,7 @@ class FreenectSource:
         self._info = SourceInfo(
             uri=f"freenect:{argument}",
             kind="freenect",
-            camera=UNREGISTERED if self._raw else REGISTERED,
+            camera=self._registration.camera if self._raw else REGISTERED,
             live=True,
             has_color=True,
         )
@@ -143,7 +145,10 @@ class FreenectSource:
             self._depth = None
             depth = np.frombuffer(data, dtype=np.uint16).reshape(_SHAPE)
             depth_mm = raw_to_mm(depth) if self._raw else depth
-            yield DepthFrame(clock.t_ns(ticks), depth_mm, self._info.camera, self._newest_color(), seq)
+            color = self._newest_color()
+            if self._raw and color is not None:
+                color = self._registration(depth_mm, color)
+            yield DepthFrame(clock.t_ns(ticks), depth_mm, self._info.camera, color, seq)
             seq += 1
 
     def _newest_color(self) -> ColorImage | None:

@@ -14,20 +14,23 @@ import numpy.typing as npt
 from teleop.errors import SourceError
 from teleop.frames import Camera, ColorImage, DepthFrame, DepthImage, Intrinsics
 from teleop.sources.base import SourceInfo
+from teleop.sources.freenect import UNREGISTERED
 from teleop.sources.live import import_driver, increasing
+from teleop.sources.registration import Registration
 
 _TIMEOUT_S = 2.0
 _LIBRARY_HINT = "'sudo apt install libopenni2-0' on Debian and Ubuntu, or run 'teleop doctor'"
 
 
 class OpenNI2Source:
-    """One OpenNI2 device or .oni file; depth in millimetres, colour registered to it where the device can."""
+    """One OpenNI2 device or .oni file; depth in millimetres, colour registered to it by the device, else by us."""
 
     def __init__(self, argument: str = "") -> None:
         """argument: a device URI, an .oni file, or empty for the first device. Raises SourceError."""
         self._api: Any = start_openni2()
         self._closed = False
         self._at_start = True
+        self._registration: Registration | None = None
         is_file = argument.lower().endswith(".oni")
         if is_file and not Path(argument).is_file():
             raise SourceError(f"no file {argument}")
@@ -75,6 +78,7 @@ class OpenNI2Source:
     def _open_streams(self, is_file: bool) -> None:
         api = self._api
         self._at_start = True
+        self._registers = True  # a file's colour is as it was recorded
         self._device = api.Device(self._argument.encode() if self._argument else None)
         self._depth = self._device.create_depth_stream()
         if self._depth is None:
@@ -88,7 +92,10 @@ class OpenNI2Source:
             if self._color is not None:
                 self._color.configure_mode(640, 480, 30, api.PIXEL_FORMAT_RGB888)
             registration = api.IMAGE_REGISTRATION_DEPTH_TO_COLOR
-            if self._color is not None and self._device.is_image_registration_mode_supported(registration):
+            self._registers = self._color is not None and self._device.is_image_registration_mode_supported(
+                registration
+            )
+            if self._registers:
                 self._device.set_image_registration_mode(registration)
             for stream in (self._depth, self._color):
                 if stream is not None:
@@ -100,20 +107,18 @@ class OpenNI2Source:
     def _describe(self, uri: str, is_file: bool) -> SourceInfo:
         mode = self._depth.get_video_mode()
         width, height = int(mode.resolutionX), int(mode.resolutionY)
-        k = Intrinsics(
-            width / 2 / math.tan(self._depth.get_horizontal_fov() / 2),
-            height / 2 / math.tan(self._depth.get_vertical_fov() / 2),
-            (width - 1) / 2,
-            (height - 1) / 2,
-            width,
-            height,
-        )
+        k = _intrinsics(self._depth, width, height)
+        camera = Camera(k, mirrored=self._depth.get_mirroring_enabled())
+        if self._color is not None and not self._registers:
+            # the library tells no distance between the cameras: PrimeSense's nominal one
+            own = _intrinsics(self._color, 640, 480)
+            self._registration = Registration(Camera(k, camera.mirrored, own, UNREGISTERED.T_color_depth))
         self._tenths = mode.pixelFormat == self._api.PIXEL_FORMAT_DEPTH_100_UM
         count = self._depth.get_number_of_frames() if is_file else None
         return SourceInfo(
             uri=uri,
             kind="openni2",
-            camera=Camera(k, mirrored=self._depth.get_mirroring_enabled()),
+            camera=camera,
             live=not is_file,
             frame_count=count,
             duration_s=count / mode.fps if count and mode.fps else None,
@@ -131,7 +136,10 @@ class OpenNI2Source:
             first_us = frame.timestamp if first_us is None else first_us
             color = self._newest_color()
             if self._info.live or frame.timestamp - first_us >= from_s * 1e6:
-                yield DepthFrame(frame.timestamp * 1000, self._depth_mm(frame), self._info.camera, color, seq)
+                depth_mm = self._depth_mm(frame)
+                if self._registration is not None and color is not None:
+                    color = self._registration(depth_mm, color)
+                yield DepthFrame(frame.timestamp * 1000, depth_mm, self._info.camera, color, seq)
             seq += 1
 
     def _depth_mm(self, frame: Any) -> DepthImage:
@@ -182,6 +190,18 @@ def _require_device(api: Any, uri: str) -> None:
 def _pixels(frame: Any, kind: type[Any]) -> npt.NDArray[Any]:
     data = ctypes.string_at(frame.data, frame.dataSize)
     return np.frombuffer(data, dtype=kind)
+
+
+def _intrinsics(stream: Any, width: int, height: int) -> Intrinsics:
+    """From a stream's field of view."""
+    return Intrinsics(
+        width / 2 / math.tan(stream.get_horizontal_fov() / 2),
+        height / 2 / math.tan(stream.get_vertical_fov() / 2),
+        (width - 1) / 2,
+        (height - 1) / 2,
+        width,
+        height,
+    )
 
 
 def _line(error: Exception) -> str:

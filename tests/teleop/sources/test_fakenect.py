@@ -110,7 +110,7 @@ source = open_source("freenect:0")
 assert source.info.live
 try:
     for frame in source.frames():
-        color = -1 if frame.color_rgb is None else int(frame.color_rgb[0, 0, 0])
+        color = -1 if frame.color_rgb is None else int(frame.color_rgb[240, 320, 0])
         print("FRAME", frame.t_ns, color, hashlib.sha256(frame.depth_mm.tobytes()).hexdigest(), flush=True)
         if frame.seq == 6:
             break
