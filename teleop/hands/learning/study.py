@@ -95,9 +95,11 @@ def _percent(value: float) -> str:
 
 
 def rules_table(cases: list[Case]) -> str:
-    """Every rule with every kind of joints."""
+    """Every rule with every kind of joints that was tried."""
     rows = []
     for joints in JOINTS:
+        if all(share(cases, joints, rule).decided == 0 for rule in RULES):
+            continue
         for rule in RULES:
             s = share(cases, joints, rule)
             rows.append((joints, rule, s.hands, _percent(s.decided_percent), _percent(s.right_percent)))
@@ -226,7 +228,7 @@ def draw(path: Path, cases: list[Case]) -> None:
     axes[2].barh(y + 0.2, source, 0.4, label="source, ratio 0.33", color="silver")
     axes[2].set(yticks=y, yticklabels=labels, xlabel="right of decided [%]", xlim=(40, 100))
     axes[2].invert_yaxis()
-    axes[2].legend(loc="lower left")
+    axes[2].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
