@@ -146,7 +146,7 @@ class MappingConfig(Section):
         default=0.08,
         ge=-1.0,
         le=0.5,
-        description="right shoulder at least this far right of the left one, else the arms hold [m]",
+        description="right shoulder at least this far right of the left one, else the arms hold [m]; ours",
     )
     hanging_deg: float = Field(
         default=25.0, ge=0.0, le=90.0, description="an upper arm nearer to straight down may be hanging [deg]; ours"

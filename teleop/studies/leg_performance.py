@@ -62,8 +62,10 @@ def legs_of(clips: PoseLibrary, i: int, base: F64, apart_rad: float) -> tuple[Le
     return legs[0], legs[1]
 
 
-def perform(number: int, seconds: int, seed: int, size: tuple[int, int] = (640, 480)) -> Iterator[Sample]:
+def perform(number: int, seconds: int, seed: int, size: tuple[int, int] = (320, 240)) -> Iterator[Sample]:
     """Person ``number`` of PEOPLE, one frame a second: picking in the first half, spraying in the second.
+
+    size: of the images; the default is the tracker's own working resolution.
 
     Raises DataError without the motion capture or the MakeHuman files.
     """
