@@ -13,9 +13,11 @@ def doctor(
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list instead of a table.")] = False,
 ) -> None:
     """Check this machine; exit code 0 when the basics work, sensors or not."""
-    from server.cli.checks import Status, basics, sensors
+    from server.cli.check import Status
+    from server.cli.checks import basics, sensors
+    from server.cli.service_checks import service
 
-    checks = basics(host, port) + sensors()
+    checks = basics(host, port) + service() + sensors()
     if as_json:
         import json
         from dataclasses import asdict

@@ -40,6 +40,7 @@ class FrameStatistics:
         self._frames = self._lost = self._color_frames = 0
         self._longest_gap_s = 0.0
         self._period_ns = 0.0
+        self._last: DepthFrame | None = None
         self.counts = FrameCounts()
 
     def add(self, frame: DepthFrame, received_s: float) -> None:
@@ -50,11 +51,18 @@ class FrameStatistics:
             if self._period_ns > 0 and step_ns > _GAP * self._period_ns:
                 self._lost += round(step_ns / self._period_ns) - 1
         self._frames += 1
+        self._last = frame
         self._color_frames += frame.color_rgb is not None
         self._stamps_ns.append(frame.t_ns)
         self._received_s.append(received_s)
         if self._frames % 30 == 0 or self._frames in (2, 5, 10):
             self._summarise(frame)
+
+    def finished(self) -> FrameCounts:
+        """The counts with the last frame in them."""
+        if self._last is not None:
+            self._summarise(self._last)
+        return self.counts
 
     def interrupted(self) -> None:
         """The source went away: what comes next follows no earlier frame."""

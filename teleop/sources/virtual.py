@@ -1,13 +1,14 @@
-"""``virtual:`` a rendered operator before a rendered sensor, acting the demonstration once; no data set needed.
+"""``virtual:`` a rendered operator before a rendered sensor, acting the demonstration; no data set needed.
 
-``virtual:[builtin|makehuman][,seed=N][,size=WxH][,fps=N]``: the built-in body, or a MakeHuman one where its files are.
+``virtual:[builtin|makehuman][,seed=N][,size=WxH][,fps=N][,rounds=N]``: the built-in body, or a MakeHuman one where its
+files are; the demonstration once, or so many times.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from teleop.people.story import greenhouse_story
 from teleop.people.view import sensor_view
 from teleop.sources.base import SourceInfo
 
-_LEGAL = "virtual:[builtin|makehuman][,seed=N][,size=WxH][,fps=N], such as virtual:makehuman,size=640x480"
+_LEGAL = "virtual:[builtin|makehuman][,seed=N][,size=WxH][,fps=N][,rounds=N], such as virtual:makehuman,size=640x480"
 SENSOR_HEIGHT_M, SENSOR_TILT_RAD = 1.20, -0.03
 """From here a person of middle height is seen from the crown to the knees at 1.7 m and whole beyond 2.6 m."""
 WORK_CLOTHES = Wardrobe(
@@ -55,6 +56,7 @@ class VirtualOptions:
     width: int = 320
     height: int = 240
     fps: int = 30
+    rounds: int = 1
 
 
 def parse_options(arg: str) -> VirtualOptions:
@@ -64,7 +66,7 @@ def parse_options(arg: str) -> VirtualOptions:
     for word in filter(None, arg.split(",")):
         if word in ("builtin", "makehuman"):
             makehuman = word == "makehuman"
-        elif match := re.fullmatch(r"(seed|fps)=(\d{1,6})", word):
+        elif match := re.fullmatch(r"(seed|fps|rounds)=(\d{1,6})", word):
             found[match[1]] = int(match[2])
         elif match := re.fullmatch(r"size=(\d{2,4})x(\d{2,4})", word):
             found |= {"width": int(match[1]), "height": int(match[2])}
@@ -73,6 +75,8 @@ def parse_options(arg: str) -> VirtualOptions:
     options = VirtualOptions(makehuman, **found)
     if not (1 <= options.fps <= 120 and 40 <= options.width <= 1920 and 30 <= options.height <= 1080):
         raise SourceError("virtual: fps must be 1..120 and the size 40x30..1920x1080")
+    if not 1 <= options.rounds <= 1000:
+        raise SourceError("virtual: rounds must be 1..1000")
     return options
 
 
@@ -95,13 +99,15 @@ class VirtualSource:
             seed=options.seed,
         )
         kind = "makehuman" if options.makehuman else "builtin"
+        self._count = options.rounds * self.performance.frame_count
+        rounds = f",rounds={options.rounds}" if options.rounds > 1 else ""
         self._info = SourceInfo(
-            uri=f"virtual:{kind},seed={options.seed},size={options.width}x{options.height},fps={options.fps}",
+            uri=f"virtual:{kind},seed={options.seed},size={options.width}x{options.height},fps={options.fps}{rounds}",
             kind="virtual",
             camera=self.performance.camera,
             live=False,
-            frame_count=self.performance.frame_count,
-            duration_s=(self.performance.frame_count - 1) / options.fps,
+            frame_count=self._count,
+            duration_s=(self._count - 1) / options.fps,
             has_color=True,
         )
         self._closed = False
@@ -114,10 +120,13 @@ class VirtualSource:
     def frames(self, from_s: float = 0.0) -> Iterator[DepthFrame]:
         """Frames in order from ``from_s`` seconds on, rendered as they are asked for."""
         first = int(np.ceil(max(0.0, from_s) * self.performance.frames_per_s - 1e-9))
-        for number in range(first, self.performance.frame_count):
+        for number in range(first, self._count):
             if self._closed:
                 return
-            yield self.performance.take(number).frame
+            done, place = divmod(number, self.performance.frame_count)
+            frame = self.performance.take(place).frame
+            begin_ns = round(done * self.performance.frame_count / self.performance.frames_per_s * 1e9)
+            yield replace(frame, t_ns=begin_ns + frame.t_ns, seq=number) if done else frame
 
     def close(self) -> None:
         """Frames end."""

@@ -7,11 +7,13 @@ import socket
 from pathlib import Path
 
 import pytest
-from cli_process import teleop
+from cli_process import teleop, write_recording
 
 from server.cli import checks
 from server.cli.checks import Status, sensor_check
+from server.cli.try_source import judged, try_source
 from teleop.sources.probe import Probe
+from teleop.sources.statistics import FrameCounts
 from teleop.sources.usb import SENSOR_USB, SensorUsb, has_udev_rule, plugged_in
 
 
@@ -66,6 +68,28 @@ def test_what_a_probe_means(usb: Path) -> None:
 
     unplugged = sensor_check("orbbec", Probe("pyorbbecsdk2"))
     assert "no device" in unplugged.found and "plug" in unplugged.next_step
+
+
+def test_a_source_is_tried(tmp_path: Path) -> None:
+    good = try_source(str(write_recording(tmp_path / "a.mcap", 40)))
+    assert good.status is Status.OK
+    assert "40 frames at 30.0/s by their stamps, 0 missing" in good.found and "with colour" in good.found
+    absent = try_source(str(tmp_path / "none.mcap"))
+    assert absent.status is Status.MISSING and "no recording" in absent.found and absent.next_step
+
+
+@pytest.mark.parametrize(
+    ("counts", "step"),
+    [
+        (FrameCounts(frames=0), "cable"),
+        (FrameCounts(frames=90, lost=9, rate_hz=30.0, valid=0.8), "port of its own"),
+        (FrameCounts(frames=90, rate_hz=30.0, valid=0.1), "sunlight"),
+        (FrameCounts(frames=90, rate_hz=9.0, valid=0.8), "slow"),
+    ],
+)
+def test_what_the_figures_of_a_sensor_mean(counts: FrameCounts, step: str) -> None:
+    check = judged("freenect:0", counts, live=True)
+    assert check.status is Status.MISSING and step in check.next_step
 
 
 def test_the_bus_is_read_by_vendor_and_product(usb: Path) -> None:
