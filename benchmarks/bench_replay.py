@@ -13,7 +13,7 @@ from teleop.recording import McapSource
 _FOLDER = Path("build/replay")
 _SESSIONS = (
     ("bundled recording", ("recordings/greenhouse_demo.mcap",), "demo.mcap"),
-    ("one minute of virtual:", ("virtual:", "--seconds", "60"), "virtual.mcap"),
+    ("one minute of virtual:", ("virtual:rounds=2", "--seconds", "60"), "virtual.mcap"),
 )
 _TIMES = 2
 

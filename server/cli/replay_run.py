@@ -21,7 +21,7 @@ from teleop.errors import RecordingError
 from teleop.frames import DepthFrame
 from teleop.inputs import RobotRequest
 from teleop.recording import McapSource, topics
-from teleop.recording.comparison import Comparison
+from teleop.recording.comparison import NOTICEABLE, Comparison
 from teleop.recording.inputs_json import inputs_from_json
 from teleop.recording.recorded import RecordedAnswers, RecordedFrames
 from teleop.track_row import track_row
@@ -81,7 +81,7 @@ def compare(
     settings = recorded_settings(source)
     if change is not None:
         settings = changed(settings, change)
-    found = Comparison()
+    found = Comparison(blind=None if change is None else NOTICEABLE)
     for moment in again(source, model, settings, follow_settings=change is None):
         frame, output = moment.frame, moment.output
         recorded = answers.at(frame.t_ns) if frame is not None else None

@@ -12,6 +12,7 @@ _SECTIONS = (
     ("operator's angles [deg]", ("angles",)),
     ("arms told [deg]", tuple(f"command.{arm}_arm" for arm in ("right", "left", "rear"))),
     ("driving, lift, disc", tuple(f"command.{name}" for name in ("drive_m_s", "turn_rad_s", "lift_m", "disc_rad"))),
+    ("tracked joints [m]", ("joints",)),
     ("robot [rad or m]", ("robot", "base")),
 )
 _MOST = 8
@@ -42,7 +43,7 @@ def lines(found: Comparison, unlikeness: list[str]) -> list[str]:
 def whatif_lines(found: Comparison) -> list[str]:
     """A repetition under other settings: what would have been different, and from when on."""
     if found.identical:
-        return [f"{found.frames} frames: these settings would have changed nothing"]
+        return [f"{found.frames} frames: these settings would have changed nothing noticeable"]
     text = [f"{found.differing} of {found.frames} frames would have been different"]
     if found.missing:
         text.append(f"{found.missing} frames could not be compared: the recording lacks them or their rows")
@@ -55,7 +56,7 @@ def whatif_lines(found: Comparison) -> list[str]:
 
 
 def _section(found: Comparison, leaves: dict[str, Leaf]) -> Iterator[str]:
-    ordered = sorted(leaves.items(), key=lambda item: (-item[1].frames, item[0]))
+    ordered = sorted(leaves.items(), key=lambda item: (-item[1].frames, -item[1].largest, item[0]))
     for where, leaf in ordered[:_MOST]:
         name = where.removeprefix("command.").removeprefix("angles.").removeprefix("robot.")
         how = (

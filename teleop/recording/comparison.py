@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from pydantic import Field
 
@@ -26,6 +27,10 @@ class Tolerance(Section):
     def of(self, group: str) -> float:
         """The tolerance of a group of values; zero for those that have none."""
         return float(getattr(self, group, 0.0)) if group != "frames" else 0.0
+
+
+NOTICEABLE: Final = Tolerance(confidence=0.01, joints=0.002, angles=0.1, command=0.1, robot=0.002, base=0.002)
+"""Differences from which a person would want to hear that other settings make them."""
 
 
 @dataclass(slots=True)
@@ -60,10 +65,12 @@ class Leaf:
 class Comparison:
     """Filled frame by frame. missing: frames that could not be compared because one side lacks them.
 
-    leaves: by dotted path, such as ``angles.T1``. start_ns: time of the first frame.
+    leaves: by dotted path, such as ``angles.T1``. start_ns: time of the first frame. blind: differences of numbers
+    that do not count; None: every bit counts.
     """
 
     tolerance: Tolerance = field(default_factory=Tolerance)
+    blind: Tolerance | None = None
     frames: int = 0
     differing: int = 0
     missing: int = 0
@@ -82,17 +89,19 @@ class Comparison:
             a, b = old.get(where), new.get(where)
             if a == b:
                 continue
+            name = where.partition(".")[0]
+            gap = abs(a - b) if isinstance(a, int | float) and isinstance(b, int | float) else math.inf
+            if self.blind is not None and gap <= self.blind.of(name):
+                continue
             difference = Difference(t_ns, where, a, b)
             self.first = self.first or difference
             leaf = self.leaves.setdefault(where, Leaf(difference))
             leaf.frames += 1
-            name = where.partition(".")[0]
             group = self.groups.setdefault(name, Group())
-            far = True
-            if isinstance(a, int | float) and isinstance(b, int | float):
-                group.largest = max(group.largest, abs(a - b))
-                leaf.largest = max(leaf.largest, abs(a - b))
-                far = abs(a - b) > self.tolerance.of(name)
+            if gap < math.inf:
+                group.largest = max(group.largest, gap)
+                leaf.largest = max(leaf.largest, gap)
+            far = gap > self.tolerance.of(name)
             touched[name] = touched.get(name, False) or far
         self.differing += bool(touched)
         for name, far in touched.items():

@@ -26,7 +26,7 @@ from teleop.inputs import Inputs, RobotRequest
 from teleop.intent_types import Event, Mode
 from teleop.reasons import Reason
 from teleop.recording import McapSource, McapWriter, topics
-from teleop.recording.comparison import Comparison
+from teleop.recording.comparison import NOTICEABLE, Comparison
 from teleop.recording.inputs_json import inputs_to_json
 from teleop.sources import open_source
 from teleop.sources.base import SourceInfo
@@ -76,7 +76,7 @@ def test_other_settings_are_summarised(recording: Path) -> None:
     assert text[0].endswith("of 61 frames would have been different") and "operator's angles [deg]" in text
     angles = next(line for line in text if line.startswith("  theta1_right: "))
     assert " s on, up to " in angles
-    assert whatif_lines(verified(recording, {})) == ["61 frames: these settings would have changed nothing"]
+    assert whatif_lines(verified(recording, {})) == ["61 frames: these settings would have changed nothing noticeable"]
 
 
 def test_a_change_of_words_is_told_with_its_begin() -> None:
@@ -92,6 +92,14 @@ def test_a_change_of_words_is_told_with_its_begin() -> None:
         "tools",
         "  gripper_open: 10 frames (100 %) from 0.00 s on, none -> False",
     ]
+
+
+def test_what_nobody_would_notice_is_left_out_of_a_what_if() -> None:
+    found = Comparison(blind=NOTICEABLE)
+    found.add(0, {"robot": {"lift": 0.1, "disc": 0.5}}, {"robot": {"lift": 0.1 + 1e-6, "disc": 0.5}})
+    assert found.identical
+    found.add(1, {"robot": {"lift": 0.1, "disc": 0.5}}, {"robot": {"lift": 0.1 + 1e-6, "disc": 0.6}})
+    assert list(found.leaves) == ["robot.disc"] and found.differing == 1
 
 
 def test_another_build_of_the_same_version_is_told_apart(recording: Path) -> None:

@@ -15,6 +15,7 @@ from recording_frames import camera
 
 from robot_sim.commands import ArmTarget, Liquid
 from teleop.body.model import load_model
+from teleop.config.recording import RecordingConfig
 from teleop.errors import RecordingError
 from teleop.frames import DepthFrame
 from teleop.inputs import Inputs, RobotRequest
@@ -81,8 +82,11 @@ def test_colour_comes_back_as_it_was_used_however_often_it_is_recorded(tmp_path:
     used = through_jpeg(noisy(7))
     assert used.color_rgb is not None and through_jpeg(used) is used
     frame = used
+    config = RecordingConfig(jpeg_quality=40)
     for name in ("a.mcap", "b.mcap"):
-        with McapWriter(tmp_path / name, frame.camera, source_uri="test", jpeg_quality=40) as writer:
+        with McapWriter(
+            tmp_path / name, frame.camera, source_uri="test", config=RecordingConfig(jpeg_quality=40)
+        ) as writer:
             writer.write_frame(frame)
         source = McapSource(tmp_path / name)
         (frame,) = source.frames()
