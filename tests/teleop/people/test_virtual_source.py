@@ -74,3 +74,14 @@ def test_the_person_stands_where_the_truth_says(no_data):
         window = take.frame.depth_mm[v - 2 : v + 3, u - 2 : u + 3]
         seen = np.median(window[window > 0]) / 1000
         assert p[2] - 0.25 < seen < p[2] + 0.03, name
+
+
+def test_more_rounds_go_on_in_time(no_data):
+    once, twice = open_virtual("fps=1,size=160x120"), open_virtual("fps=1,size=160x120,rounds=2")
+    assert twice.info.frame_count == 2 * once.info.frame_count and "rounds=2" in twice.info.uri
+    count = once.info.frame_count
+    late = first(twice, count + 10.0)
+    assert late.t_ns == (count + 10) * 1_000_000_000 and late.seq == count + 10
+    assert (late.depth_mm == first(once, 10.0).depth_mm).all()
+    with pytest.raises(SourceError, match="rounds"):
+        open_virtual("rounds=0")

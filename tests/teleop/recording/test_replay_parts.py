@@ -82,7 +82,6 @@ def test_colour_comes_back_as_it_was_used_however_often_it_is_recorded(tmp_path:
     used = through_jpeg(noisy(7))
     assert used.color_rgb is not None and through_jpeg(used) is used
     frame = used
-    config = RecordingConfig(jpeg_quality=40)
     for name in ("a.mcap", "b.mcap"):
         with McapWriter(
             tmp_path / name, frame.camera, source_uri="test", config=RecordingConfig(jpeg_quality=40)
