@@ -25,7 +25,6 @@ class PushSource:
         self._capacity = capacity
         self._changed = threading.Condition()
         self._closed = False
-        self._last_ns = -1
         self.dropped = 0
 
     @property
@@ -34,16 +33,18 @@ class PushSource:
         return self._info
 
     def feed(self, frame: DepthFrame) -> bool:
-        """Hand in one frame, from any thread; False when it is not newer than the last, or the source is closed.
+        """Hand in one frame, from any thread; False when the source is closed.
+
+        Frames that come twice, late or out of order are handed on: the safety kernel refuses them, with a reason, and
+        begins anew when the sender's clock was set back.
 
         Raises SourceError when the frame comes from another camera than the announced one.
         """
         if frame.camera != self._info.camera:
             raise SourceError("the pushed frame's camera differs from the announced one; connect again to change it")
         with self._changed:
-            if self._closed or frame.t_ns <= self._last_ns:
+            if self._closed:
                 return False
-            self._last_ns = frame.t_ns
             if len(self._queue) == self._capacity:
                 self._queue.popleft()
                 self.dropped += 1
