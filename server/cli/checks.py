@@ -7,11 +7,10 @@ import platform
 import socket
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
+from server.cli.check import Check, Status
 from server.settings import bundled_recordings
 from teleop.errors import TeleopError
 from teleop.sources.probe import KINDS, Probe, probe
@@ -34,24 +33,6 @@ RULES: Final = {
     "realsense": "install the udev rules: 99-realsense-libusb.rules of the librealsense project, in /etc/udev/rules.d",
     "orbbec": "install the udev rules: 99-obsensor-libusb.rules of the OrbbecSDK project, in /etc/udev/rules.d",
 }
-
-
-class Status(StrEnum):
-    """ok; missing: only what is optional is absent; failed: a basic does not work."""
-
-    OK = "ok"
-    MISSING = "missing"
-    FAILED = "failed"
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One line of the table."""
-
-    name: str
-    status: Status
-    found: str
-    next_step: str = ""
 
 
 def basics(host: str, port: int) -> list[Check]:

@@ -10,6 +10,9 @@ import typer
 def doctor(
     host: Annotated[str, typer.Option(help="Address the server would listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port the server would listen on.")] = 8000,
+    source: Annotated[
+        str | None, typer.Option(metavar="URI", help="Try this source, too: open it and read frames for three seconds.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list instead of a table.")] = False,
 ) -> None:
     """Check this machine; exit code 0 when the basics work, sensors or not."""
@@ -18,6 +21,10 @@ def doctor(
     from server.cli.service_checks import service
 
     checks = basics(host, port) + service() + sensors()
+    if source is not None:
+        from server.cli.try_source import try_source
+
+        checks.append(try_source(source))
     if as_json:
         import json
         from dataclasses import asdict

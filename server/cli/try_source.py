@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Final
 
-from server.cli.checks import Check, Status
+from server.cli.check import Check, Status
 from teleop.errors import TeleopError
 from teleop.sources import open_source
 from teleop.sources.statistics import FrameCounts, FrameStatistics
