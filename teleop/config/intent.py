@@ -197,7 +197,7 @@ class HandConfig(Section):
     )
     min_pixels: int = Field(default=40, ge=5, le=5000, description="fewer hand pixels are no answer [px]; ours")
     max_ray_cos: float = Field(
-        default=0.95, ge=0.0, le=1.0, description="forearm along the ray beyond this cosine: unknown [1]; 18 deg"
+        default=0.93, ge=0.0, le=1.0, description="forearm along the ray beyond this cosine: unknown [1]; 22 deg"
     )
     min_confidence: float = Field(default=0.2, ge=0.0, le=1.0, description="hand joints below it: unknown [1]; ours")
     decide_margin: float = Field(
