@@ -43,7 +43,13 @@ def bone_forward_outward_up(bone: Vector, side: Side) -> tuple[float, float, flo
 
 
 def signed_deg(positive: float, up: float) -> float:
-    """Angle from hanging down towards ``positive``; the sign that eq. (17), (18) lose, continuous across the top."""
+    """Angle from hanging down towards ``positive``, -90..270 degrees, continuous across the top.
+
+    Unsigned, as eq. (17), (18) have it (arc cosine, ``teleop.angles``, shown and recorded): an arm swung 20 degrees
+    back and one 20 degrees forward give the same 20. Signed, as here (atan2, sent to the robot): -20 and 20; the two
+    agree on the source's whole range 0..90, and a negative angle is clamped to 0 with limit.shoulder_range instead of
+    sending the robot's arm to the wrong side.
+    """
     angle = math.degrees(math.atan2(positive, -up))
     return angle if angle >= -90.0 else angle + 360.0
 

@@ -1,5 +1,6 @@
 """Faults through Pipeline.step: what the robot is told, after which time, with which reason."""
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from teleop.intent_types import Hand, Hands, Mode, Zone
 from teleop.modes import ACTING
 from teleop.skeleton import Skeleton
 
+SEQUENCES = int(os.environ.get("TELEOP_SEQUENCES", "120"))
+"""Random sequences of frames and buttons; set it to thousands for a long run."""
 PICK = Person(legs_apart_deg=25)
 SPRAY = Person()
 PLACES = {
@@ -330,7 +333,7 @@ def check(r: Rig, command: RobotCommand, mode: Mode) -> None:
 
 
 @given(st.lists(STEP, max_size=25))
-@settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=SEQUENCES, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_no_sequence_of_frames_and_buttons_moves_the_robot_wrongly(steps: list[tuple]) -> None:
     r = rig()
     estop, most_s = False, r.pipeline.config.intent.safety.max_dt_s
