@@ -86,7 +86,7 @@ def _augmented(x: Patch, rng: np.random.Generator, bright: int | None) -> Patch:
         angle, scale = rng.normal(0, 9), np.exp(rng.normal(0, 0.10))
         M = cv2.getRotationMatrix2D(((SIZE - 1) / 2, (SIZE - 1) / 2), angle, scale)
         M = np.asarray(M, np.float64)
-        M[:, 2] += rng.normal(0, 1.5, 2)
+        M[:, 2] = M[:, 2] + rng.normal(0, 1.5, 2)
         warped = cv2.warpAffine(patch, M, (SIZE, SIZE), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         out[i] = warped[:, ::-1] if rng.uniform() < 0.3 else warped
     if bright is not None:

@@ -19,6 +19,8 @@ from teleop.pipeline import Pipeline
 from teleop.sources import open_source
 
 RECORDING: Final = Path(__file__).resolve().parents[3] / "recordings" / "greenhouse_demo.mcap"
+EARLY_S, LATE_S = 0.8, 1.0
+"""A change of ours belongs to a true one from when the fingers may begin to move until this long after they end."""
 SETTLE_S: Final = 0.4
 """Settled states are not scored for this long after a true change: their delay is counted instead."""
 
@@ -107,11 +109,13 @@ def session_figures(pipeline: Pipeline, recording: Path = RECORDING) -> SessionF
         changes += len(true_changes)
         free = list(ours)
         for t_s, hand in true_changes:
-            hit = next((c for c in free if c[1] is hand and -0.3 <= c[0] - t_s <= 1.0), None)
+            hit = next((c for c in free if c[1] is hand and -EARLY_S <= c[0] - t_s <= LATE_S), None)
             if hit is not None:
                 free.remove(hit)
                 delays.append(max(0.0, hit[0] - t_s))
-        wrong += len(free)
+        # while the fingers are half closed both answers are right
+        truth_at = {m.t_s: m.truth for m in moments}
+        wrong += sum(truth_at[t_s] not in (hand, Hand.UNKNOWN) for t_s, hand in free)
         for m in moments:
             if m.truth is Hand.UNKNOWN:
                 continue
