@@ -137,6 +137,8 @@ def test_all_inputs_of_a_live_session_count(tmp_path: Path) -> None:
             core.configure(settings)
             recorder.write_settings(settings)
         told = replace(through_jpeg(frame), t_ns=frames()[9].t_ns) if i == 10 else through_jpeg(frame)
+        if i != 10:
+            recorder.receive(told)  # as the source's thread does
         assert recorder.write(core.on_frame(Arrived(told, now_s - 0.004, 0.0), live=True, speed=1.0))
         if i in (5, 8, 18):
             for _ in range(9):

@@ -133,6 +133,7 @@ def test_nothing_compared_is_not_identical() -> None:
 def test_a_models_digest_knows_its_numbers_not_its_provenance() -> None:
     model = load_model()
     digest = model_digest(model)
+    assert digest == model_digest(load_model())
     assert digest == model_digest(replace(model, meta={"made": "elsewhere"}))
     moved = model.bandwidth_m.copy()
     moved[0] = math.nextafter(moved[0], 1.0)
