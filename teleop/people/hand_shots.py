@@ -18,10 +18,10 @@ from teleop.joints import JOINT_INDEX
 from teleop.people.body import skin
 from teleop.people.clothes import dress, random_wardrobe, skin_tone
 from teleop.people.pose import Pose, pose_rig, yaw
-from teleop.people.rig import Floats, arms_in_trunk, joints_m
+from teleop.people.rig import BONE, Floats, arms_in_trunk, joints_m
 from teleop.people.room import Room, random_room
 from teleop.people.sampling import PEOPLE, SEED, Split, person, sample_pose
-from teleop.people.scene import Figure, shoot, stand
+from teleop.people.scene import Figure, Shot, shoot, stand
 from teleop.people.sensor import sense
 from teleop.people.shade import random_light
 from teleop.people.view import sensor_view, visible_joints
@@ -33,9 +33,11 @@ _TRIES: Final = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HandShot:
-    """One hand. frame: a window of the sensor's image with a camera to match. joints_m: (20, 3) in camera axes.
+    """One hand. frame: the sensor's image, or a window of it with a camera to match. joints_m: (20, 3), camera axes.
 
-    curl: 0 flat open .. 1 fist. skin_rgb: the operator's skin as the light shows it, (3,).
+    curl: 0 flat open .. 1 fist. skin_rgb: the operator's skin as the light shows it, (3,). tone: mean of the unlit
+    skin's R, G, B, 0..255. light: exposure, 1 normal. skin_wall: walls painted in skin colours. palm_cos: between the
+    palm's normal and the ray, 1 palm to the sensor, 0 edge-on, -1 back of the hand to the sensor.
     """
 
     frame: DepthFrame
@@ -43,6 +45,10 @@ class HandShot:
     side: Side
     curl: float
     skin_rgb: Floats
+    tone: float
+    light: float
+    skin_wall: bool
+    palm_cos: float
 
 
 def skin_walls(room: Room, rng: np.random.Generator) -> Room:
@@ -73,8 +79,18 @@ def window(camera: Camera, point_m: Floats) -> Camera | None:
     return replace(camera, depth=Intrinsics(k.fx, k.fy, k.cx - u0, k.cy - v0, u1 - u0, v1 - v0))
 
 
-def hand_shots(seed: int, split: Split) -> Iterator[HandShot]:
+def _palm_cos(figure: Figure, R: Floats, joints: Floats, i: int) -> float:
+    """Cosine between the palm's normal and the direction from the hand to the sensor."""
+    side = SIDES[i]
+    normal = R @ figure.posed.R[BONE[f"hand_{side}"]] @ figure.body.rig.palm[i]
+    hand = joints[JOINT_INDEX[f"hand_{side}"]]
+    return float(-normal @ hand / np.linalg.norm(hand))
+
+
+def hand_shots(seed: int, split: Split, whole: bool = False) -> Iterator[HandShot]:
     """Both hands of one random person, those that are in the image and not hidden. Deterministic.
+
+    whole: give the whole image with each hand instead of a window of it, drawn once.
 
     Raises DataError when the MakeHuman files are missing.
     """
@@ -99,19 +115,26 @@ def hand_shots(seed: int, split: Split) -> Iterator[HandShot]:
     view = sensor_view(height, tilt, float(rng.normal(0, 0.02)))
     full = Camera(kinect_v1(*((640, 480) if rng.uniform() < 0.67 else (320, 240))), bool(rng.uniform() < 0.2))
     room = random_room(rng, np.array([x, 0.0, z])) if rng.uniform() < 0.8 else None
-    if room is not None and rng.uniform() < 0.4:
+    skin_wall = room is not None and bool(rng.uniform() < 0.4)
+    if room is not None and skin_wall:
         room = skin_walls(room, rng)
     light = random_light(rng)
     lit_rgb = np.array(wear.skin_rgb) * np.array(light.rgb) * light.level
     joints = joints_m(body.rig, figure.posed.moved(view.R, view.t_m))
-    for side, curl in zip(SIDES, curls, strict=True):
+    drawn: tuple[Shot, DepthFrame] | None = None
+    for i, side in enumerate(SIDES):
         hand = JOINT_INDEX[f"hand_{side}"]
         camera = window(full, joints[hand]) if joints[hand, 2] > 1.2 else None
         if camera is None:
             continue
-        shot = shoot((figure,), room, view, camera, light, rng)
-        if not visible_joints(joints, shot.depth_m, shot.part, camera)[hand]:
-            continue
-        # the sensor's noise depends on the full image's resolution, not on the window's
-        depth_mm = sense(shot.depth_m, full, rng).depth_mm
-        yield HandShot(DepthFrame(0, depth_mm, camera, shot.color_rgb, seed), joints, side, curl, lit_rgb)
+        camera = full if whole else camera
+        if drawn is None or not whole:
+            shot = shoot((figure,), room, view, camera, light, rng)
+            # the sensor's noise depends on the full image's resolution, not on the window's
+            depth_mm = sense(shot.depth_m, full, rng).depth_mm
+            drawn = shot, DepthFrame(0, depth_mm, camera, shot.color_rgb, seed)
+        shot, frame = drawn
+        if visible_joints(joints, shot.depth_m, shot.part, camera)[hand]:
+            palm_cos = _palm_cos(figure, view.R, joints, i)
+            tone = float(np.mean(wear.skin_rgb))
+            yield HandShot(frame, joints, side, curls[i], lit_rgb, tone, light.level, skin_wall, palm_cos)
