@@ -87,16 +87,17 @@ class Desk:
         return caller
 
     def login(self, token: str, address: str) -> Role:
-        """The role of a token. Raises Refused (401, 429)."""
-        now_s = time.monotonic()
-        if wait_s := self._failures.blocked_s(address, now_s):
-            raise TooOften(wait_s, "too many wrong tokens from your address")
+        """The role of a token. Raises Refused: 401 for a wrong one, 429 after too many.
+
+        A right one always passes: nobody can lock others of the same address out, and none can be guessed.
+        """
         role = self.tokens.role_of(token)
-        if role is None:
-            self._failures.wait_s(address, now_s)
-            _AUDIT.warning("wrong token", extra={"address": address})
-            raise Refused(401, "that token is not known here; 'teleop serve --new-tokens' makes new ones", "token")
-        return role
+        if role is not None:
+            return role
+        if wait_s := self._failures.wait_s(address, time.monotonic()):
+            raise TooOften(wait_s, "too many wrong tokens from your address")
+        _AUDIT.warning("wrong token", extra={"address": address})
+        raise Refused(401, "that token is not known here; 'teleop serve --new-tokens' makes new ones", "token")
 
     def _role(self, headers: Headers, address: str) -> Role | None:
         scheme, _, token = headers.get("authorization", "").partition(" ")

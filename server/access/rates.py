@@ -23,11 +23,6 @@ class Rates:
         self._keep(key, left - 1.0, now_s)
         return 0.0
 
-    def blocked_s(self, key: str, now_s: float) -> float:
-        """As :meth:`wait_s`, but nothing is counted."""
-        left = self._left(key, now_s)
-        return 0.0 if left >= 1.0 else (1.0 - left) / self._per_s
-
     def _left(self, key: str, now_s: float) -> float:
         left, at_s = self._buckets.get(key, (self._burst, now_s))
         return min(self._burst, left + (now_s - at_s) * self._per_s)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -30,23 +32,30 @@ def port() -> int:
 
 
 @pytest.fixture
-def served(tmp_path: Path, port: int) -> Iterator[tuple[subprocess.Popen[str], str, Path]]:
+def served(
+    tmp_path: Path, port: int, request: pytest.FixtureRequest
+) -> Iterator[tuple[subprocess.Popen[str], str, Path]]:
+    """Plain, or over TLS with a certificate of its own when the test's ``scheme`` is https."""
+    scheme = request.getfixturevalue("scheme")
     recording = write_walk(tmp_path / "walk.mcap")
     library = tmp_path / "library"
     arguments = ["serve", "--port", str(port), "--source", str(recording), "--loop", "--record"]
+    arguments += ["--log-format", "json"]
+    if scheme == "https":
+        arguments += certificate(tmp_path)
     process = subprocess.Popen(
         [*COMMAND, *arguments],
-        env={**os.environ, "TELEOP_LIBRARY": str(library)},
+        env={**os.environ, "TELEOP_LIBRARY": str(library), "TELEOP_ACCESS__FILE": str(tmp_path / "access.json")},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
     try:
-        url = f"http://127.0.0.1:{port}"
+        url = f"{scheme}://127.0.0.1:{port}"
         end_s = time.monotonic() + START_S
         while time.monotonic() < end_s and process.poll() is None:
             try:
-                if httpx.get(f"{url}/api/v1/state").is_success:
+                if httpx.get(f"{url}/api/v1/state", verify=False).is_success:
                     break
             except httpx.TransportError:
                 time.sleep(0.1)
@@ -56,12 +65,12 @@ def served(tmp_path: Path, port: int) -> Iterator[tuple[subprocess.Popen[str], s
         process.wait(10)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("scheme", "number"), [("http", signal.SIGINT), ("https", signal.SIGTERM)])
 def test_it_plays_until_told_to_stop_and_completes_the_recording(
     served: tuple[subprocess.Popen[str], str, Path], number: signal.Signals
 ) -> None:
     process, url, library = served
-    with TeleopClient(url) as robot:
+    with TeleopClient(url, verify=False) as robot:
         states = robot.states()
         first = next(states)
         assert first.source is not None and first.source.uri == "walk"
@@ -72,15 +81,34 @@ def test_it_plays_until_told_to_stop_and_completes_the_recording(
         assert robot.pause().paused and not robot.play().paused
         assert "<robot" in robot.urdf()
         assert robot.sessions()[0].recording is not None
+    process.send_signal(signal.SIGHUP)
+    time.sleep(0.2)
     process.send_signal(number)
     out, err = process.communicate(timeout=20)
     assert process.returncode == 0, err
     assert out.splitlines()[0].startswith(url) and out.splitlines()[-1] == "stopped"
     assert "Traceback" not in err and "pybullet" not in out + err
+    told = [line.split() for line in out.splitlines() if line.startswith("  ")]
+    assert [role for role, _ in told] == ["viewer", "operator", "supervisor"], "the tokens, shown once"
+    log = [json.loads(line) for line in err.splitlines()]
+    assert {"serving", "estop", "settings reloaded", "stopped"} <= {row.get("action") or row["message"] for row in log}
+    assert not any(token in err for _, token in told)
     (made,) = library.glob("*.mcap")
     source = open_source(str(made))
     assert source.info.frame_count and getattr(source, "truncated", None) is None
+    events = [row for _, row in source.rows("/teleop/events")]  # type: ignore[attr-defined]
+    assert [row["reason"] for row in events if row["kind"] != "audit"][-1] == "stop.estop", "the end stops the robot"
     source.close()
+
+
+def certificate(folder: Path) -> list[str]:
+    """A self-signed certificate for this test; none is kept in the repository."""
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl is not installed, so there is no certificate to serve with")
+    pair = ["--tls-cert", str(folder / "cert.pem"), "--tls-key", str(folder / "key.pem")]
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=127.0.0.1"]
+    subprocess.run([*command, "-out", pair[1], "-keyout", pair[3]], check=True, capture_output=True)
+    return pair
 
 
 def test_a_busy_port_is_one_line(port: int) -> None:
@@ -99,6 +127,8 @@ def test_a_busy_port_is_one_line(port: int) -> None:
         (("--port", "99999"), "1 <= value <= 65535"),
         (("--host", "no.such.host.invalid"), "no address of this computer"),
         (("--config", "nothing.toml"), "nothing.toml"),
+        (("--tls-cert", "nothing.pem"), "belong together"),
+        (("--log-format", "xml"), "log_format"),
     ],
 )
 def test_a_wrong_start_is_one_line(arguments: tuple[str, str], words: str, port: int) -> None:
