@@ -29,6 +29,7 @@ from server.api import (
     push,
     recordings,
     replay,
+    runs,
     sessions,
     stream,
 )
@@ -88,7 +89,21 @@ def create_app(
     app.state.studies = settings.studies
     problems.install(app)
     api = APIRouter(prefix="/api/v1")
-    parts = (health, access, config, operators, operate, replay, recordings, motions, sessions, jobs, stream, push)
+    parts = (
+        health,
+        access,
+        config,
+        operators,
+        operate,
+        runs,
+        replay,
+        recordings,
+        motions,
+        sessions,
+        jobs,
+        stream,
+        push,
+    )
     for part in parts:
         api.include_router(part.router)
     app.include_router(api)

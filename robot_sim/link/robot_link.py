@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from robot_sim.commands import RobotCommand
 from robot_sim.config import RobotConfig
+from robot_sim.metrics import RunMetrics
 from robot_sim.primitives import Primitive
 from robot_sim.state import RobotState
 
@@ -45,6 +46,9 @@ class RobotLink(Protocol):
 
     def estop_reset(self) -> RobotState:
         """Release the emergency stop."""
+
+    def metrics(self) -> RunMetrics:
+        """What the run has come to since the last reset, as far as the link can tell."""
 
     def wet_leaves(self) -> dict[str, tuple[float, float, float]]:
         """Leaf -> share wet with each liquid; empty where nobody measures it."""

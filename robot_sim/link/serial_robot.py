@@ -26,6 +26,7 @@ from robot_sim.link.servo_protocol import (
     encode_request,
     joint_position,
 )
+from robot_sim.metrics import RunMetrics, moved_on
 from robot_sim.primitives import Primitive
 from robot_sim.reasons import RobotReason
 from robot_sim.spray import LIQUIDS
@@ -56,6 +57,7 @@ class SerialRobot:
         self._x_m = self._y_m = self._yaw_rad = self._time_s = self._carried_s = 0.0
         self._heard_s = time.monotonic()
         self._reasons: tuple[str, ...] = ()
+        self._metrics, self._last = RunMetrics(), self.state()
         if (fault := self._ask("Q")) is not None:
             self._lines.close()
             raise RobotError(
@@ -94,7 +96,10 @@ class SerialRobot:
                 self._setpoints = latch_estop(self._setpoints, True)
                 reasons[str(RobotReason.LINK_LOST)] = None
         self._reasons = tuple(reasons)
-        return self.state()
+        state = self.state()
+        self._metrics = moved_on(self._metrics, self._last, state, 0.0, (), frozenset())
+        self._last = state
+        return state
 
     def state(self) -> RobotState:
         """The robot as the controller last acknowledged it."""
@@ -124,7 +129,8 @@ class SerialRobot:
             home_setpoints(self.config), position=self._setpoints.position, estop=self._setpoints.estop
         )
         self._x_m = self._y_m = self._yaw_rad = self._time_s = self._carried_s = 0.0
-        return self.state()
+        self._metrics, self._last = RunMetrics(), self.state()
+        return self._last
 
     def estop(self) -> RobotState:
         """Latch the emergency stop here and in the controller."""
@@ -139,6 +145,10 @@ class SerialRobot:
         if fault is None:
             self._setpoints = latch_estop(self._setpoints, False)
         return self.state()
+
+    def metrics(self) -> RunMetrics:
+        """Time, distance and turning by dead reckoning; nothing else is measured."""
+        return self._metrics
 
     def wet_leaves(self) -> dict[str, tuple[float, float, float]]:
         """Nobody measures it."""

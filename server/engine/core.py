@@ -99,6 +99,14 @@ class Core:
         self._forget()
         self._reset_due = reset_robot
 
+    def restart_robot(self) -> None:
+        """The robot and its greenhouse begin from their start, now; the operator must engage again."""
+        latched = self.world.state().estop
+        self.world.reset()
+        if latched:
+            self.world.estop()
+        self._forget()
+
     def _forget(self) -> None:
         self._state = self._pipeline.initial_state()
         self.pending = Pending(estop=self.world.state().estop)

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 from robot_sim.commands import stop_command
 from robot_sim.link.robot_link import RobotLink
+from robot_sim.metrics import RunMetrics
 from server import wire
 from server.engine.core import Core, Moment
 from server.engine.hello import hello
@@ -196,6 +197,21 @@ class Engine(threading.Thread):
     def ask(self, request: RobotRequest, for_s: float) -> Future[None]:
         """Direct control; speeds are repeated for ``for_s`` seconds."""
         return self.call(lambda: self._core.pending.ask(request, time.monotonic() + for_s))
+
+    def metrics(self) -> Future[RunMetrics]:
+        """What the run has come to."""
+        return self.call(lambda: self._core.world.metrics())
+
+    def restart_robot(self) -> Future[RunMetrics]:
+        """The robot back to its start. The future raises Refused (409) while a recording is made."""
+
+        def work() -> RunMetrics:
+            if self._session is not None and self._session.recording_now:
+                raise Refused(409, "a recording is being made; end its session first, or record a new one from a reset")
+            self._core.restart_robot()
+            return self._core.world.metrics()
+
+        return self.call(work)
 
     def head_jpeg(self) -> Future[bytes]:
         """A picture of the head camera."""

@@ -105,7 +105,10 @@ def test_the_controller_is_told_whole_degrees_inside_the_limits() -> None:
         assert there.controller.left_mm_s == round(1000 * (0.4 - 0.1 * half))
         assert there.controller.right_mm_s == round(1000 * (0.4 + 0.1 * half))
         assert there.controller.valve == -1 and state.liquid is Liquid.PESTICIDE
-        assert state.base_x_m == pytest.approx(0.4, abs=0.01)
+        assert 0.2 < state.base_x_m < 0.4
+        assert robot.metrics().distance_m == pytest.approx(math.hypot(state.base_x_m, state.base_y_m), rel=0.01)
+        robot.reset()
+        assert robot.state().base_x_m == robot.metrics().distance_m == 0.0
 
 
 def test_dropped_and_damaged_bytes_are_made_good() -> None:
