@@ -37,7 +37,7 @@ from teleop.training.fitting import best_errors_m, fit_model, propose_all, walk_
 from teleop.training.leaves import Leaves, fill_leaves
 from teleop.training.trainer import Tree, TreeSpec, grow_tree
 
-_FRAMES, _VALIDATION = 2000, 400
+_VALIDATION = 400
 _PER_FRAME, _LEAF_PER_FRAME, _SLOTS, _BALANCE = 120, 200, 8, 0.5
 _KEPT = Path("build/evaluation")
 
@@ -46,10 +46,10 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One row of the training table."""
+    """One row of the training table. share: of the frames."""
 
     trees: int = 3
-    frames: int = _FRAMES
+    share: float = 1.0
     mirror: bool = True
     tree: TreeSpec = field(default_factory=lambda: TreeSpec(candidates=80))
 
@@ -62,8 +62,8 @@ CHOICES: dict[str, Choice] = {
     "6 trees": replace(BASE, trees=6),
     "depth 10": replace(BASE, tree=replace(BASE.tree, depth=10)),
     "depth 15": replace(BASE, tree=replace(BASE.tree, depth=15)),
-    "a quarter of the frames": replace(BASE, frames=_FRAMES // 4),
-    "half of the frames": replace(BASE, frames=_FRAMES // 2),
+    "a quarter of the frames": replace(BASE, share=0.25),
+    "half of the frames": replace(BASE, share=0.5),
     "offsets of +-0.1 m": replace(BASE, tree=replace(BASE.tree, offset_m=0.1)),
     "offsets of +-0.2 m": replace(BASE, tree=replace(BASE.tree, offset_m=0.2)),
     "no mirror images": replace(BASE, mirror=False),
@@ -86,7 +86,7 @@ def without_mirror(images: Images, pixels: Pixels) -> Pixels:
 
 def grow(images: Images, choice: Choice) -> tuple[list[Tree], list[Leaves]]:
     """The trees of a choice; the same seeds for all."""
-    images = first_frames(images, choice.frames)
+    images = first_frames(images, round(choice.share * len(images)))
     trees, contents = [], []
     for number in range(choice.trees):
         rng = np.random.default_rng([8, number])
@@ -128,9 +128,9 @@ def joint_score(model: BodyModel, images: Images) -> tuple[float, float]:
     return float((error < 0.1).mean()), float(np.median(error))
 
 
-def training_table() -> str:
+def training_table(frames: int) -> str:
     """One row a choice."""
-    train, test = rendered_images(_FRAMES, _VALIDATION)
+    train, test = rendered_images(frames, _VALIDATION)
     asked = draw_pixels(test, 100, np.random.default_rng(4), 0.0)
     asked = without_mirror(test, asked)
     rows = []
@@ -192,11 +192,11 @@ def run_time_table() -> str:
     return table(head, rows)
 
 
-def main() -> None:
-    """Print both tables."""
+def main(frames: float = 2000) -> None:
+    """Print both tables. frames: to train on."""
     try:
         print(run_time_table(), flush=True)
-        print(training_table())
+        print(training_table(int(frames)))
     except DataError as error:
         print(f"ablation: {error}")
 

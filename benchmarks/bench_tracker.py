@@ -35,7 +35,7 @@ from teleop.joints import JOINT_INDEX
 _KEPT = Path("build/evaluation")
 _ENVIRONMENT = Path("build/mediapipe-env")
 _PACKAGES = ("mediapipe==0.10.21", "numpy<2")
-_PEOPLE, _FRAMES = 8, 60
+_FRAMES = 60
 _LANDMARKS = {"right": (12, 14, 16), "left": (11, 13, 15)}
 """Shoulder, elbow, wrist of BlazePose's 33 landmarks."""
 
@@ -118,11 +118,11 @@ def report(outcomes: dict[str, Outcome], true_deg: Floats) -> str:
     return table(head, rows)
 
 
-def main() -> None:
-    """Print the table."""
+def main(people: float = 8) -> None:
+    """Print the table. people: how many, each in a room of their own."""
     store = FrameStore(_KEPT, os.cpu_count() or 1)
     try:
-        cases = list(store.cases(FreeMotion(_FRAMES, color=True), _PEOPLE))
+        cases = list(store.cases(FreeMotion(_FRAMES, color=True), int(people)))
     except DataError as error:
         print(f"tracker: {error}")
         return
@@ -135,7 +135,7 @@ def main() -> None:
             images = Path(folder) / "images.npz"
             np.savez(images, color=np.stack([c.frame.color_rgb for c in cases]), run=[c.group for c in cases])
             outcomes["MediaPipe Pose 0.10.21"] = theirs(python, images)
-    print(f"{_PEOPLE} unseen people in rooms moving both arms freely, {_FRAMES} frames each at 30 frames/s")
+    print(f"{people:.0f} unseen people in rooms, moving both arms freely, {_FRAMES} frames each at 30 frames/s")
     print(report(outcomes, true_deg))
     print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
 

@@ -25,7 +25,7 @@ from teleop.training.dataset import Images, Pixels, draw_pixels
 from teleop.training.leaves import fill_leaves
 from teleop.training.trainer import TreeSpec, grow_tree, pixel_scales
 
-_FRAMES, _VALIDATION = 2000, 200
+_VALIDATION = 200
 _PER_FRAME, _TREES = 150, 3
 _POOL = 600
 """Offset pairs of scikit-learn's table; more do not fit beside the pixels it can use in the time."""
@@ -110,12 +110,12 @@ def theirs(kind: Any, train: Images, test: Images, asked: Pixels, seconds: float
     return float((answer == asked.part).mean()), spent, count
 
 
-def main() -> None:
-    """Print the table."""
+def main(frames: float = 2000) -> None:
+    """Print the table. frames: to train on."""
     from sklearn.ensemble import ExtraTreesClassifier, RandomForestClassifier
 
     try:
-        train, test = rendered_images(_FRAMES, _VALIDATION)
+        train, test = rendered_images(int(frames), _VALIDATION)
     except DataError as error:
         print(f"trainer: {error}")
         return
@@ -129,9 +129,7 @@ def main() -> None:
         accuracy, spent, count = theirs(kind, train, test, asked, seconds)
         name = f"scikit-learn {kind.__name__}, pool of {_POOL} offset pairs"
         rows.append([name, str(count), f"{spent / 60:.2f}", f"{100 * accuracy:.1f}"])
-    print(
-        f"{_TREES} trees, depth {TreeSpec().depth}, {_FRAMES} rendered frames and mirror images, {os.cpu_count()} cores"
-    )
+    print(f"{_TREES} trees, depth {TreeSpec().depth}, {len(train)} frames and mirror images, {os.cpu_count()} cores")
     print(table(("trainer", "pixels learned from", "minutes", "unseen people's pixels right %"), rows))
 
 
