@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -26,7 +27,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def wait_for(what: str, ask: Callable[[], T | None], timeout_s: float = 20.0) -> T:
+def wait_for(what: str, ask: Callable[[], T | None], timeout_s: float = 40.0) -> T:
     """The first answer that is not None or False; fails with ``what`` when there is none in time."""
     end_s = time.monotonic() + timeout_s
     while time.monotonic() < end_s:
@@ -46,12 +47,19 @@ class ConsoleServer:
         self._api = httpx.Client(base_url=f"{self.url}api/v1", timeout=10.0)
         self._folder = folder
         self._process: subprocess.Popen[bytes] | None = None
+        self.studies = folder / "studies"
+        """Folder of motions that ``motion.html`` plays."""
 
     def start(self) -> None:
         command = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--loop"]
         command += ["--port", str(self.port), "--source", str(RECORDING)]
         with (self._folder / "serve.log").open("ab") as log:
-            environment = {**os.environ, "TELEOP_LIBRARY": str(self._folder / "library")}
+            environment = {
+                **os.environ,
+                "TELEOP_LIBRARY": str(self._folder / "library"),
+                "TELEOP_STUDIES": str(self.studies),
+                "TELEOP_ACCESS__FILE": str(self._folder / "access.json"),
+            }
             self._process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=log)
         wait_for("teleop serve answers", self._is_ready, START_S)
 
@@ -70,6 +78,17 @@ class ConsoleServer:
 
     def state(self) -> dict[str, Any]:
         response = self._api.get("/state")
+        response.raise_for_status()
+        return dict(response.json())
+
+    def token(self, role: str) -> str:
+        """The token of a role, which the server tells at its first start."""
+        found = re.search(rf"\bgt_{role}_\S+", (self._folder / "serve.log").read_text())
+        assert found is not None
+        return found.group()
+
+    def config(self) -> dict[str, Any]:
+        response = self._api.get("/config")
         response.raise_for_status()
         return dict(response.json())
 

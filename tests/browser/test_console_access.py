@@ -30,12 +30,19 @@ def test_nothing_serious_is_found(scanned: Page, theme: str) -> None:
     assert scanned.evaluate(SERIOUS) == []
 
 
-@pytest.mark.parametrize("sheet", ["help", "recordings"])
-def test_nothing_serious_is_found_in_the_sheets(scanned: Page, sheet: str) -> None:
-    if sheet == "help":
-        scanned.keyboard.press("?")
-    else:
-        scanned.get_by_role("button", name="Recordings").click()
-        scanned.locator(".recording").first.wait_for()
-    expect(scanned.locator(".sheet[open]")).to_have_count(1)
-    assert scanned.evaluate(SERIOUS) == []
+@pytest.mark.parametrize("theme", ["dark", "light"])
+def test_nothing_serious_is_found_in_the_sheets(scanned: Page, theme: str) -> None:
+    if scanned.locator("html").get_attribute("data-theme") != theme:
+        scanned.keyboard.press("t")
+    found = {}
+    for key, ready in (("?", ".keys"), ("b", ".recording"), (",", ".setting-section"), ("k", ".gauges")):
+        scanned.keyboard.press(key)
+        scanned.locator(ready).first.wait_for()
+        expect(scanned.locator(".sheet[open]")).to_have_count(1)
+        if key == ",":
+            scanned.locator(".setting-section summary").first.click()
+        found[key] = scanned.evaluate(SERIOUS)
+        scanned.keyboard.press("Escape")
+    scanned.get_by_role("button", name="Who you are").click()
+    found["access"] = scanned.evaluate(SERIOUS)
+    assert found == {name: [] for name in found}

@@ -10,8 +10,8 @@ from playwright.sync_api import Page, expect
 pytestmark = pytest.mark.browser
 
 SIZES = [
-    (360, 780, "dark"),
-    (360, 780, "light"),
+    (360, 740, "dark"),
+    (390, 844, "light"),
     (820, 1180, "light"),
     (1440, 900, "dark"),
     (1440, 900, "light"),
@@ -53,3 +53,23 @@ def test_help_names_the_keys(page: Page) -> None:
     expect(sheet).to_contain_text("emergency stop, always")
     page.keyboard.press("Escape")
     expect(sheet).to_have_count(0)
+
+
+def test_sheets_fit_a_phone(page: Page) -> None:
+    page.set_viewport_size({"width": 360, "height": 740})
+    for key in ("?", "b", ",", "k"):
+        page.keyboard.press(key)
+        expect(page.locator(".sheet[open]")).to_have_count(1)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 360
+        assert page.evaluate(BEYOND_THE_EDGE) == [], key
+        expect(page.locator(".estop")).to_be_in_viewport()
+        page.keyboard.press("Escape")
+
+
+def test_from_afar_the_mode_is_written_twice_as_large(page: Page) -> None:
+    size = "parseFloat(getComputedStyle(document.querySelector('.mode')).fontSize)"
+    near_px = page.evaluate(size)
+    page.keyboard.press("d")
+    assert page.evaluate(size) >= 1.9 * near_px
+    assert page.evaluate(BEYOND_THE_EDGE) == []
+    expect(page.locator(".estop")).to_be_in_viewport()

@@ -54,13 +54,14 @@ export async function request(method: string, path: string, body?: unknown, time
   const init: RequestInit = { method, headers, signal: AbortSignal.timeout(timeout_ms) };
   if (body !== undefined) init.body = JSON.stringify(body);
   let response: Response;
+  let answer: unknown = null;
   try {
     response = await fetch(ROOT + path, init);
+    const type = response.headers.get("Content-Type") ?? "";
+    if (type.includes("json")) answer = await response.json(); // the time may run out here, too
   } catch (cause) {
     throw new RequestError(cause instanceof Error ? cause.message : String(cause), 0);
   }
-  const type = response.headers.get("Content-Type") ?? "";
-  const answer: unknown = type.includes("json") ? await response.json() : null;
   if (!response.ok) throw new RequestError(problemText(answer, response.statusText), response.status);
   return answer;
 }

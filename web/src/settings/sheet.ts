@@ -88,6 +88,7 @@ export class SettingsSheet {
       section.append(row.element);
     }
     this.list.replaceChildren(...sections.values());
+    this.filter(); // words may have been typed already
   }
 
   private filter(): void {
