@@ -14,7 +14,7 @@ def train(
     network_frames: Annotated[
         int, typer.Option(min=200, max=1_000_000, help="Rendered frames for the networks, the forest's among them.")
     ] = 100_000,
-    steps: Annotated[int, typer.Option(min=10, max=1_000_000, help="Training steps of each network.")] = 12_500,
+    steps: Annotated[int, typer.Option(min=10, max=1_000_000, help="Steps of a network; half for the legs.")] = 12_500,
     trees: Annotated[int, typer.Option(min=1, max=16, help="Trees of the forest.")] = 3,
     candidates: Annotated[int, typer.Option(min=10, max=10000, help="Features tried at a node.")] = 150,
     seed: Annotated[int, typer.Option(min=0, help="Seed of every draw.")] = 2011,
@@ -33,6 +33,7 @@ def train(
     from rich.progress import Progress
 
     from teleop.training.build import BuildSpec
+    from teleop.training.chaining import ChainSpec
     from teleop.training.locating import CoarseSpec
     from teleop.training.recipe import Recipe, train_model
     from teleop.training.refining import RefinerSpec
@@ -43,6 +44,7 @@ def train(
         network_frames=network_frames,
         coarse=CoarseSpec(steps=steps),
         refiner=RefinerSpec(steps=steps),
+        limbs=(ChainSpec(steps=steps), ChainSpec(steps=max(1, steps // 2))),
         seed=seed,
         workers=workers,
         scheduler=scheduler,

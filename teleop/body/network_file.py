@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.cascade import N_CUES, Cascade
+from teleop.body.chains import LINKS, ChainNet
 from teleop.body.coarse import N_OUTPUTS, CoarseNet
 from teleop.body.crop import LOCAL, WHOLE
 from teleop.body.layers import Convolution
@@ -25,6 +26,18 @@ def _pack(name: str, layers: tuple[Convolution, ...]) -> dict[str, npt.NDArray[A
     for n, layer in enumerate(layers):
         out[f"{name}_kernel_{n}"], out[f"{name}_bias_{n}"] = layer.kernel, layer.bias
     return out
+
+
+def _dense(name: str, net: Refiner | ChainNet) -> dict[str, npt.NDArray[Any]]:
+    return {f"{name}_{part}": getattr(net, part) for part in _DENSE}
+
+
+def _features(layers: tuple[Convolution, ...], channels: int) -> int:
+    """Values that the convolutions make of one local crop."""
+    rows, columns = LOCAL.rows, LOCAL.columns
+    for layer in layers:
+        rows, columns = -(-rows // layer.stride), -(-columns // layer.stride)
+    return rows * columns * channels
 
 
 def _layers(name: str, data: Mapping[str, npt.NDArray[Any]], inputs: int) -> tuple[tuple[Convolution, ...], int]:
@@ -49,7 +62,11 @@ def cascade_arrays(cascade: Cascade) -> dict[str, npt.NDArray[Any]]:
         "coarse_head": coarse.head,
         "coarse_head_bias": coarse.head_bias,
         **_pack("refiner", refiner.convolutions),
-        **{f"refiner_{name}": getattr(refiner, name) for name in _DENSE},
+        **_dense("refiner", refiner),
+        **_pack("arms", cascade.limbs[0].convolutions),
+        **_dense("arms", cascade.limbs[0]),
+        **_pack("legs", cascade.limbs[1].convolutions),
+        **_dense("legs", cascade.limbs[1]),
         "trust": cascade.trust,
     }
 
@@ -67,20 +84,32 @@ def cascade_of(data: Mapping[str, npt.NDArray[Any]]) -> Cascade:
     outputs = N_JOINTS * N_OUTPUTS
     coarse = CoarseNet(convolutions, array("coarse_head", channels, outputs), array("coarse_head_bias", outputs))
     convolutions, channels = _layers("refiner", data, 2)
-    rows, columns = LOCAL.rows, LOCAL.columns
-    for layer in convolutions:
-        rows, columns = -(-rows // layer.stride), -(-columns // layer.stride)
     h1, h2, kinds = data["refiner_first_bias"].shape[-1], len(data["refiner_second_bias"]), len(KINDS)
     refiner = Refiner(
         convolutions,
-        array("refiner_first", rows * columns * channels + 3 * N_NEAR, h1),
+        array("refiner_first", _features(convolutions, channels) + 3 * N_NEAR, h1),
         array("refiner_first_bias", kinds, h1),
         array("refiner_second", h1, h2),
         array("refiner_second_bias", h2),
         array("refiner_last", kinds, h2, 4),
         array("refiner_last_bias", kinds, 4),
     )
-    return Cascade(coarse, refiner, array("trust", N_CUES + 1).astype(np.float64))
+
+    def limb(name: str) -> ChainNet:
+        convolutions, channels = _layers(name, data, 2)
+        h1, h2 = len(data[f"{name}_first_bias"]), len(data[f"{name}_second_bias"])
+        return ChainNet(
+            convolutions,
+            array(f"{name}_first", LINKS * _features(convolutions, channels) + 3 * N_JOINTS, h1),
+            array(f"{name}_first_bias", h1),
+            array(f"{name}_second", h1, h2),
+            array(f"{name}_second_bias", h2),
+            array(f"{name}_last", h2, 4 * LINKS),
+            array(f"{name}_last_bias", 4 * LINKS),
+        )
+
+    trust = array("trust", N_CUES + 1).astype(np.float64)
+    return Cascade(coarse, refiner, (limb("arms"), limb("legs")), trust)
 
 
 def crop_note() -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
-from teleop.body.cascade import place, trust
+from teleop.body.cascade import see, settle, trust
 from teleop.body.features import pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
@@ -59,6 +60,7 @@ class BodyTracker:
         self.config = config
         self._weight_of = vote_weights(config.proposals)
         self._max_offset_m = model.max_offset_m
+        self._second = ThreadPoolExecutor(1, "networks")
         one_thread_products()
 
     def initial_state(self) -> TrackerState:
@@ -110,13 +112,17 @@ class BodyTracker:
         step = working_step(camera, self.config.forest.working_focal_px)
         image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
         stride = stride_for(found.area_px // step**2, self.config.forest.max_pixels)
+        # the networks run on the second core while the forest runs on this one
+        seeing = self._second.submit(see, model.cascade, image, self.config.cascade) if model.cascade else None
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
         joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
-        cues = person_features(parts, proposals, joints, confidence, model.bones_m, camera.depth.fx)
+        placed = None
+        if model.cascade is not None and seeing is not None:
+            placed = settle(model.cascade, seeing.result(), joints, self.config.cascade)
+        cues = person_features(parts, proposals, joints, confidence, placed, model.bones_m, camera.depth.fx)
         person = person_probability(cues, model.person_weights)
-        if model.cascade is not None and self.config.cascade.enabled:
-            placed = place(model.cascade, image, joints, self.config.cascade)
+        if model.cascade is not None and placed is not None and self.config.cascade.enabled:
             confidence = trust(placed.cues, model.cascade.trust)
             sure = confidence >= self.config.cascade.min_confidence
             joints = np.where(sure[:, None], placed.joints_m, np.nan)

@@ -95,7 +95,8 @@ class CascadeConfig(Section):
     """Networks that place the joints from the operator's depth image and the forest's proposals."""
 
     enabled: bool = Field(True, description="false takes the forest's joints as they are")
-    limb_rounds: int = Field(1, ge=0, le=5, description="further looks at elbows, wrists, hands, knees, ankles, feet")
+    second_look: bool = Field(True, description="refine elbows, wrists, hands, knees, ankles and feet twice")
+    limbs: bool = Field(True, description="place arms and legs anew as wholes, after their joints one by one")
     opinion_m: float = Field(
         0.1, gt=0, le=5, description="a joint of the forest farther away than this is looked at as well [m]; measured"
     )

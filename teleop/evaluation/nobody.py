@@ -27,6 +27,7 @@ class Nobody:
     width: int = 640
     height: int = 480
     mirrored: bool = False
+    seed: int = 59
 
     def batch(self, index: int) -> list[Case]:
         """PER_BATCH frames, kinds in turn from batch to batch."""
@@ -34,7 +35,7 @@ class Nobody:
         return [self._case(kind, PER_BATCH * index + n) for n in range(PER_BATCH)]
 
     def _case(self, kind: int, number: int) -> Case:
-        rng = np.random.default_rng([59, number])
+        rng = np.random.default_rng([self.seed, number])
         x, z = float(rng.uniform(-0.6, 0.6)), float(rng.uniform(1.5, 3.4))
         room = random_room(rng, np.array([x, 0.0, z]))
         if kind:

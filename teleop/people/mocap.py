@@ -18,7 +18,6 @@ from teleop.people.distinct import distinct, limb_ends
 from teleop.people.pose import ArmPose, LegPose, Pose
 from teleop.people.rig import Floats
 
-
 _LEAST_M: Final = 0.05
 """Poses of which no joint is farther apart than this are one (Shotton 2011)."""
 

@@ -19,8 +19,8 @@ from teleop.body.tracker import BodyTracker
 from teleop.body.votes import Proposals, propose, vote_weights
 from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
+from teleop.frames import DepthFrame
 from teleop.joints import N_JOINTS
-from teleop.people.sampling import RenderedFrame
 from teleop.training.dataset import Images
 
 BANDWIDTHS_M: Final = (0.025, 0.035, 0.05, 0.07, 0.1)
@@ -130,22 +130,24 @@ def logistic_weights(
     return np.append(plain, w[-1] - plain @ mean)
 
 
-def fit_person(model: BodyModel, frames: Iterable[RenderedFrame], config: BodyConfig) -> BodyModel:
-    """The model with person weights fitted on people and furniture in rendered rooms.
+def fit_person(
+    model: BodyModel, frames: Iterable[tuple[DepthFrame, npt.NDArray[np.uint8]]], config: BodyConfig
+) -> BodyModel:
+    """The model with person weights fitted on people and furniture in rendered rooms. frames: with part labels.
 
     A surface is a person when more than half of it is one, nobody when less than a tenth is.
     """
     tracker = BodyTracker(model, config)
     rows, labels = [], []
-    for shot in frames:
-        scene = look(shot.frame, None, config.floor, config.segmentation)
+    for frame, part in frames:
+        scene = look(frame, None, config.floor, config.segmentation)
         for label in rank(scene, None, config.segmentation.model_copy(update={"candidates": 10})):
-            found = candidate(shot.frame, scene, label, config.segmentation)
+            found = candidate(frame, scene, label, config.segmentation)
             if found is None:
                 continue
-            share = float((shot.part[found.mask] != NO_PART).mean())
+            share = float((part[found.mask] != NO_PART).mean())
             if share > 0.5 or share < 0.1:
-                rows.append(design(tracker.estimate(shot.frame, found, None).cues))
+                rows.append(design(tracker.estimate(frame, found, None).cues))
                 labels.append(share > 0.5)
     is_person = np.array(labels)
     if len(rows) == 0 or is_person.all() or not is_person.any():

@@ -9,17 +9,22 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from teleop.body.cascade import N_CUES, Cascade
 from teleop.body.model import BodyModel, save_model
 from teleop.body.network_file import crop_note
+from teleop.body.parts import NO_PART
 from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
+from teleop.evaluation.nobody import PER_BATCH, Nobody
+from teleop.frames import DepthFrame
 from teleop.parallel import open_pool
-from teleop.people.sampling import RenderedFrame, SampleSpec, sample_frame
+from teleop.people.sampling import SampleSpec, sample_frame
 from teleop.software import library_digest
 from teleop.training.bodies import load_bodies
 from teleop.training.build import BuildSpec, Progress, build_model
+from teleop.training.chaining import ChainSpec, estimates, train_chain
 from teleop.training.dataset import HEIGHT, WIDTH, Images, Split, load_images, render_dataset
 from teleop.training.fitting import best_errors_m, fit_model, fit_person, propose_all, walk_frames
 from teleop.training.locating import CoarseSpec, train_coarse
@@ -50,14 +55,21 @@ class Recipe:
     build: BuildSpec = field(default_factory=BuildSpec)
     coarse: CoarseSpec = field(default_factory=CoarseSpec)
     refiner: RefinerSpec = field(default_factory=RefinerSpec)
+    limbs: tuple[ChainSpec, ChainSpec] = (ChainSpec(), ChainSpec(steps=6000))
 
 
-def person_frames(count: int) -> Iterator[RenderedFrame]:
-    """People of the training split in rooms, then as many without a room; seeds far from those of the trees."""
+def person_frames(count: int) -> Iterator[tuple[DepthFrame, npt.NDArray[np.uint8]]]:
+    """Frames and part labels: people of the training split in rooms, as many without a room, as many rooms with
+    things and no person; seeds far from those of the trees."""
     for first, room in ((10_000_000, True), (11_000_000, False)):
         for n in range(count):
             spec = SampleSpec(split="train", width=WIDTH, height=HEIGHT, room=room, mirrored=bool(n % 2))
-            yield sample_frame(first + n, spec)
+            shot = sample_frame(first + n, spec)
+            yield shot.frame, shot.part
+    nobody = Nobody(WIDTH, HEIGHT, seed=71)
+    for batch in range(-(-count // PER_BATCH)):
+        for case in nobody.batch(batch):
+            yield case.frame, np.full(case.frame.depth_mm.shape, NO_PART, np.uint8)
 
 
 def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) -> BodyModel:
@@ -87,10 +99,13 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
 
 
 def train_cascade(recipe: Recipe, work: Path, progress: Progress) -> Cascade:
-    """Both networks, from the frames in ``work``; the trust is still to be fitted."""
+    """All networks, from the frames in ``work``; the trust is still to be fitted."""
     bodies = load_bodies(work, "train", recipe.network_frames, recipe.workers)
     coarse = train_coarse(bodies, recipe.coarse, recipe.seed, progress)
-    return Cascade(coarse, train_refiner(bodies, recipe.refiner, recipe.seed, progress), np.zeros(N_CUES + 1))
+    refiner = train_refiner(bodies, recipe.refiner, recipe.seed, progress)
+    before_m = estimates(bodies, coarse, refiner, progress)
+    arms, legs = (train_chain(bodies, before_m, kind, recipe.limbs[kind], recipe.seed, progress) for kind in (0, 1))
+    return Cascade(coarse, refiner, (arms, legs), np.zeros(N_CUES + 1))
 
 
 def fit_everything(model: BodyModel, recipe: Recipe, work: Path) -> BodyModel:
@@ -150,10 +165,14 @@ def card(model: BodyModel, recipe: Recipe, output: Path) -> str:
             "networks",
             f"{crop_note()}; {recipe.network_frames} of the same kind of frames and their mirror images; coarse: "
             f"{recipe.coarse.steps} steps of {recipe.coarse.frames} frames, refiner: {recipe.refiner.steps} steps of "
-            f"{recipe.refiner.frames * recipe.refiner.joints} joints",
+            f"{recipe.refiner.frames * recipe.refiner.joints} joints, arms and legs: {recipe.limbs[0].steps} and "
+            f"{recipe.limbs[1].steps} steps of {2 * recipe.limbs[0].frames} limbs on what the stages before leave",
         ),
         ("confidence", f"logistic regression on {recipe.trust} further validation frames"),
-        ("person or not", f"logistic regression, {2 * recipe.rooms} training frames, half of them in furnished rooms"),
+        (
+            "person or not",
+            f"logistic regression, {3 * recipe.rooms} training frames: rooms with people, people, rooms without",
+        ),
     )
     m = model.meta
     return "\n".join(

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
-from teleop.body.cascade import place
+from teleop.body.cascade import see, settle
 from teleop.body.features import body_pixels, body_points
 from teleop.body.forest import forest_leaves, stride_for
 from teleop.body.model import BodyModel
@@ -40,7 +40,7 @@ def placed_frames(model: BodyModel, images: Images, first: int, last: int, confi
         points = body_points(image, where)
         proposals = propose(model, points, leaves, stride, image.fx, weight_of, config.proposals)
         forest_m, _ = assemble(proposals, model.bones_m, None, config.skeleton)
-        placed = place(model.cascade, image, forest_m, config.cascade)
+        placed = settle(model.cascade, see(model.cascade, image, config.cascade), forest_m, config.cascade)
         joints.append(placed.joints_m)
         cues.append(placed.cues)
     return np.array(joints), np.array(cues)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teleop.body.cascade import NEAREST_M, place
+from teleop.body.cascade import NEAREST_M, Cascade, Placed, see, settle
 from teleop.body.coarse import from_crop, to_crop
 from teleop.body.crop import EMPTY, LOCAL, WHOLE, body_centre, crop_cells
 from teleop.body.features import FAR_MM, PaddedImage
@@ -108,6 +108,10 @@ def test_joint_crops_are_centred_on_the_joints() -> None:
 
 def padded() -> PaddedImage:
     return PaddedImage(block_image(), -60, -100, FOCAL_PX, FOCAL_PX, 0.0, 0.0)
+
+
+def place(cascade: Cascade, image: PaddedImage, forest_m: np.ndarray, config: CascadeConfig) -> Placed:
+    return settle(cascade, see(cascade, image, config), forest_m, config)
 
 
 def test_every_joint_is_placed_with_cues_and_the_forest_is_heard() -> None:
