@@ -69,7 +69,7 @@ def angle_pairs(answers: Answers, config: AngleConfig) -> AnglePairs:
     shares = []
     for side in ("right", "left"):
         bone = truth[:, JOINT_INDEX[f"elbow_{side}"]] - truth[:, JOINT_INDEX[f"shoulder_{side}"]]
-        length = np.linalg.norm(bone, axis=1)
+        length = np.maximum(np.linalg.norm(bone, axis=1), 1e-9)
         shares += [np.linalg.norm(bone[:, [0, 1]], axis=1) / length, np.linalg.norm(bone[:, [1, 2]], axis=1) / length]
     known = np.ones_like(answers.counted)
     return AnglePairs(

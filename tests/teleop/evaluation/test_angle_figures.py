@@ -5,6 +5,7 @@ import pytest
 
 from teleop.body.parts import N_PARTS
 from teleop.config.intent import AngleConfig, MappingConfig, TaskConfig
+from teleop.evaluation import testers as protocol
 from teleop.evaluation.angle_figures import (
     ANGLES,
     AnglePairs,
@@ -16,7 +17,6 @@ from teleop.evaluation.angle_figures import (
 )
 from teleop.evaluation.answers import Answers
 from teleop.evaluation.metrics import part_accuracy
-from teleop.evaluation.testers import tester_curve
 from teleop.joints import JOINT_INDEX
 
 
@@ -94,7 +94,7 @@ def test_angles_are_levelled() -> None:
 
 def test_largest_error_of_the_mean_over_testers() -> None:
     # at 30 the two testers are off by +4 and -2, at 60 by +3 and +5
-    curve = tester_curve(arm_answers([30.0, 60.0, 30.0, 60.0], [34.0, 63.0, 28.0, 65.0], 0.0), "theta1")
+    curve = protocol.tester_curve(arm_answers([30.0, 60.0, 30.0, 60.0], [34.0, 63.0, 28.0, 65.0], 0.0), "theta1")
     assert curve.levels == [30.0, 60.0]
     assert curve.mean == pytest.approx([1.0, 4.0])
     assert curve.spread == pytest.approx([3.0, 1.0])

@@ -8,12 +8,13 @@ import pytest
 from teleop.body.parts import NO_PART
 from teleop.config.intent import AngleConfig
 from teleop.data import data_root
+from teleop.evaluation import stills
 from teleop.evaluation import store as store_module
 from teleop.evaluation.angle_figures import ANGLES, body_angles_deg
 from teleop.evaluation.cases import Case
 from teleop.evaluation.motions import FreeMotion
 from teleop.evaluation.nobody import KIND_NAMES, Nobody
-from teleop.evaluation.stills import Stills, Testers, tester
+from teleop.evaluation.stills import Stills
 from teleop.evaluation.store import FrameStore
 from teleop.joints import JOINT_INDEX
 
@@ -69,11 +70,11 @@ def test_legs_stand_as_far_apart_as_asked() -> None:
 def test_testers_take_the_angles_of_the_experiment() -> None:
     setting = Stills(room=False, turn_deg=0.0, height_m=(1.0, 1.0), tilt_deg=(0.0, 0.0), **SMALL)
     for kind, angle in (("forward", "theta2"), ("sideways", "theta1"), ("elbow_forward", "theta3")):
-        cases = Testers(kind, setting).batch(4)
+        cases = stills.Testers(kind, setting).batch(4)
         true = levelled_angles(cases)[:, ANGLES.index(f"{angle}_right")]
         assert np.abs(true - [c.level for c in cases]).max() < 9.0
         assert np.diff(true).min() > 0
-    heights = [tester(n).body.height_m for n in (0, 9)]
+    heights = [stills.tester(n).body.height_m for n in (0, 9)]
     assert heights == pytest.approx([1.65, 1.90], abs=1e-6)
 
 

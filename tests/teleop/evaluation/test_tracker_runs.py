@@ -12,6 +12,7 @@ from teleop.body.tracker import BodyTracker
 from teleop.config import TeleopConfig
 from teleop.data import data_root
 from teleop.errors import DataError
+from teleop.evaluation import testers as protocol
 from teleop.evaluation.answers import run_tracker, single_frame
 from teleop.evaluation.cases import Case
 from teleop.evaluation.memory import peak_memory_mb
@@ -24,7 +25,6 @@ from teleop.evaluation.stages import StageClock
 from teleop.evaluation.store import FrameStore
 from teleop.evaluation.suite import Report
 from teleop.evaluation.targets import TARGETS, target_table
-from teleop.evaluation.testers import testers_section
 
 needs_people = pytest.mark.skipif(
     data_root() is None or not (data_root() / "makehuman").is_dir(), reason="the MakeHuman files are not here"
@@ -96,7 +96,7 @@ def test_sections_say_when_data_are_missing(
     monkeypatch.setenv("TELEOP_DATA", str(tmp_path / "nothing"))
     bench = Bench(smooth, smooth, TeleopConfig(), FrameStore(None), 10, lambda name, share: None)
     with pytest.raises(DataError, match="makehuman"):
-        testers_section(bench)
+        protocol.testers_section(bench)
 
 
 def test_the_report_is_written(tmp_path: Path) -> None:
