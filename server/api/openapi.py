@@ -9,7 +9,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
-from server.access.policy import SAFE_METHODS, need
+from server.access.policy import API, SAFE_METHODS, need
 from server.api.problems import MEDIA_TYPE
 
 _PROBLEM = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
@@ -52,6 +52,8 @@ def _complete(document: dict[str, Any]) -> None:
             statuses = {403}  # a foreign host or origin
             if "422" in operation["responses"]:
                 statuses.add(422)
+            if path.startswith(f"{API}/"):
+                statuses |= {401, 422, 429}  # a wrong token or client key counts where none is needed, too
             if needs.role is not None:
                 operation["security"] = [{"token": []}, {}]
                 operation["x-role"] = needs.role.label

@@ -67,9 +67,10 @@ def served(
 
 @pytest.mark.parametrize(("scheme", "number"), [("http", signal.SIGINT), ("https", signal.SIGTERM)])
 def test_it_plays_until_told_to_stop_and_completes_the_recording(
-    served: tuple[subprocess.Popen[str], str, Path], number: signal.Signals
+    served: tuple[subprocess.Popen[str], str, Path], scheme: str, number: signal.Signals
 ) -> None:
     process, url, library = served
+    assert url.startswith(scheme)
     with TeleopClient(url, verify=False) as robot:
         states = robot.states()
         first = next(states)
