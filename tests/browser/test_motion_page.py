@@ -32,10 +32,7 @@ def test_a_motion_plays(page: Page, server: ConsoleServer) -> None:
         assert page.evaluate("document.documentElement.scrollWidth") <= width
     if AXE.is_file():
         page.evaluate(AXE.read_text(encoding="utf-8"))
-        serious = (
-            "async () => (await axe.run()).violations.filter(v => /serious|critical/.test(v.impact)).map(v => v.id + ' ' + v.nodes[0].target)"
-        )
-        assert page.evaluate(serious) == []
+        assert page.evaluate(SERIOUS) == []
 
 
 def test_an_unknown_motion_is_said_in_words(page: Page, server: ConsoleServer, logged: list[str]) -> None:

@@ -58,7 +58,7 @@ export async function request(method: string, path: string, body?: unknown, time
   try {
     response = await fetch(ROOT + path, init);
     const type = response.headers.get("Content-Type") ?? "";
-    if (type.includes("json")) answer = await response.json(); // the time may run out here, too
+    if (response.status !== 204 && type.includes("json")) answer = await response.json(); // the time may run out here, too
   } catch (cause) {
     throw new RequestError(cause instanceof Error ? cause.message : String(cause), 0);
   }
