@@ -111,8 +111,8 @@ class CascadeConfig(Section):
 class PersonConfig(Section):
     """Deciding whether a surface is a person."""
 
-    acquire: float = Field(0.15, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
-    keep: float = Field(0.05, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
+    acquire: float = Field(0.25, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
+    keep: float = Field(0.0005, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
 
 
 class FilterConfig(Section):
