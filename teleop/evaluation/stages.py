@@ -6,6 +6,7 @@ import functools
 import importlib
 import pkgutil
 import sys
+import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -16,29 +17,36 @@ from typing import Any
 import teleop.body
 
 
+BESIDE = " (beside, in a thread)"
+"""Ends the name of a stage that runs while the step's own thread does something else, or waits for it."""
+
+
 class StageClock:
     """Seconds each module of the tracker took since the last ``lap``, calls to other modules left out."""
 
     def __init__(self) -> None:
         self._spent: dict[str, float] = defaultdict(float)
-        self._stack: list[list[float]] = []
+        self._thread = threading.local()
+        self._main = threading.get_ident()
 
     def wrap(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
         """The function with its time added to a stage."""
 
         @functools.wraps(function)
         def timed(*args: Any, **kwargs: Any) -> Any:
+            stack = self._thread.__dict__.setdefault("stack", [])
             inner = [0.0]
-            self._stack.append(inner)
+            stack.append(inner)
             start = time.perf_counter()
             try:
                 return function(*args, **kwargs)
             finally:
                 whole = time.perf_counter() - start
-                self._stack.pop()
-                self._spent[stage] += whole - inner[0]
-                if self._stack:
-                    self._stack[-1][0] += whole
+                stack.pop()
+                beside = "" if threading.get_ident() == self._main else BESIDE
+                self._spent[stage + beside] += whole - inner[0]
+                if stack:
+                    stack[-1][0] += whole
 
         return timed
 
