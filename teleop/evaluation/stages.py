@@ -16,7 +16,6 @@ from typing import Any
 
 import teleop.body
 
-
 BESIDE = " (beside, in a thread)"
 """Ends the name of a stage that runs while the step's own thread does something else, or waits for it."""
 
