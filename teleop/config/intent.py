@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
+from annotated_types import Len
 from pydantic import Field, model_validator
 
 from teleop.config.base import Section
@@ -203,7 +204,7 @@ class HandConfig(Section):
     decide_margin: float = Field(
         default=1.0, ge=0.0, le=10.0, description="log odds nearer zero than this: unknown [1]; 73 %, rendered hands"
     )
-    skin: tuple[float, float, float, float, float] | None = Field(
+    skin: Annotated[tuple[float, ...], Len(5, 5)] | None = Field(
         default=None,
         description="the operator's skin: mean Cb, mean Cr, variance of Cb, covariance, variance of Cr; from a profile",
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
+from annotated_types import Len
 from pydantic import Field, model_validator
 
 from teleop.config.base import Section
@@ -24,7 +25,7 @@ class OperatorConfig(Section):
     bones_m: dict[str, float] = Field(
         default_factory=dict, description="bone lengths [m]: upper_arm, forearm, trunk, thigh, shin; measured"
     )
-    skin: tuple[float, float, float, float, float] | None = Field(
+    skin: Annotated[tuple[float, ...], Len(5, 5)] | None = Field(
         default=None, description="mean Cb, mean Cr, variance of Cb, covariance, variance of Cr; learned from the face"
     )
     thresholds: dict[str, float] = Field(
