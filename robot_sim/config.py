@@ -91,7 +91,7 @@ class ArmConfig(RobotSection):
         "in the source), so the planes of the two hanging arms must meet where the crop is for the box to come "
         "under the gripper",
     )
-    rear_offset_m: float = Field(default=0.17, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
+    rear_offset_m: float = Field(default=0.24, ge=0.1, le=0.6, description="rear shoulder behind the mast [m]")
     upper_kg: float = Field(default=1.1, ge=0.1, le=10.0, description="mass of the upper arm with the elbow servo [kg]")
     forearm_kg: float = Field(default=0.7, ge=0.1, le=10.0, description="mass of the forearm [kg]")
     tool_kg: float = Field(default=0.35, ge=0.02, le=5.0, description="mass of an end effector [kg]")

@@ -37,7 +37,7 @@ CUPPED_XML = '<stiffness value="1200"/><damping value="30"/>'
 CUT_MIDDLE_M: Vec3 = (0.055, 0.0, -0.100)
 CUT_HALF_M: Vec3 = (0.040, 0.034, 0.045)
 """Between the blades: a peduncle in here is cut when they close; from the flange, in the forearm's axes."""
-NOZZLE_M = 0.14
+NOZZLE_M = 0.07
 """From the flange to the nozzles' mouths."""
 
 
