@@ -20,7 +20,7 @@ def test_the_table_and_the_json_tell_the_same(tmp_path: Path) -> None:
     found = json.loads(teleop("info", path, "--json").stdout)
     assert (found["kind"], found["frames"], found["color_frames"]) == ("mcap", 30, 30)
     assert found["rate_hz"] == pytest.approx(30.0)
-    assert found["metadata"]["format_version"] == "1"
+    assert found["metadata"]["format_version"] == "2"
 
 
 def test_a_truncated_recording_is_read_as_far_as_it_goes(tmp_path: Path) -> None:

@@ -71,7 +71,8 @@ def test_the_session_moved_the_robot(recording: Path) -> None:
 def test_other_settings_are_summarised(recording: Path) -> None:
     found = verified(recording, {"teleop": {"body": {"filter": {"enabled": False}}}})
     assert not found.identical and found.differing > 20 and found.missing == 0
-    assert 0 < found.groups["joints"].largest < 0.5
+    # without the filter a wrist may jump by its whole reach
+    assert 0 < found.groups["joints"].largest < 1.5
     text = whatif_lines(found)
     assert text[0].endswith("of 61 frames would have been different") and "operator's angles [deg]" in text
     angles = next(line for line in text if line.startswith("  theta1_right: "))

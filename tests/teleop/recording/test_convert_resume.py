@@ -19,10 +19,12 @@ from teleop.recording.rgbd_writer import RgbdFolderWriter
 COUNT = 60
 OUTPUTS = {"out": "depth.txt", "out.fakenect": "INDEX.txt"}
 _SLOW = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
 from teleop.recording import McapSource
 from teleop.recording.convert import convert
+# a shell that runs the tests in the background has its programs ignore SIGINT
+signal.signal(signal.SIGINT, signal.default_int_handler)
 convert(McapSource(sys.argv[1]), Path(sys.argv[2]), on_frame=lambda _: time.sleep(0.02))
 """
 
