@@ -19,6 +19,9 @@ def test_the_lease_is_handed_over_and_everybody_may_stop(
     page.keyboard.press("o")
     page.keyboard.press("o")
     expect(page.locator(".lease")).to_have_attribute("data-standing", "mine")
+    wait_for("the loop is off", lambda: not server.state()["source"]["loop"])
+    page.keyboard.press("o")
+    wait_for("the loop is on again", lambda: server.state()["source"]["loop"])
     other = open_console(browser, server, logged, key="another-console-of-the-tests")
     try:
         expect(other.locator(".lease")).to_have_attribute("data-standing", "theirs")
