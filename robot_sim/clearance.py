@@ -183,10 +183,10 @@ def arms_rad(targets: Mapping[ArmName, ArmTarget]) -> F64:
 
 
 def breaches(before_m: F64, after_m: F64, config: RobotConfig) -> tuple[tuple[int, int], ...]:
-    """The PAIRS whose margin (9,) falls below what is allowed, and below what it was.
+    """The PAIRS whose margin (9,) falls below what is allowed and the reserve between arms, and below what it was.
 
     Moving apart is always allowed: nobody gets stuck.
     """
     c = config.clearance
-    least = np.array([c.arm_gap_m] * 3 + [c.body_gap_m] * 3 + [0.0] * 3)
+    least = np.array([c.arm_gap_m + c.reserve_m] * 3 + [c.body_gap_m] * 3 + [0.0] * 3)
     return tuple(PAIRS[i] for i in np.flatnonzero(after_m < np.minimum(least, before_m - 1e-9)))

@@ -247,6 +247,9 @@ class ClearanceConfig(RobotSection):
     arm_gap_m: float = Field(
         default=0.015, ge=0.0, le=0.3, description="between two arms with their tools [m]; choice: servo error at speed"
     )
+    reserve_m: float = Field(
+        default=0.004, ge=0.0, le=0.1, description="braking begins this much earlier [m]; two arms go on for a tick"
+    )
     body_gap_m: float = Field(
         default=0.005, ge=0.0, le=0.3, description="between forearm or tool and the trunk [m]; choice: servo error"
     )

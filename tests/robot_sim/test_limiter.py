@@ -75,7 +75,7 @@ def test_every_tick_stays_inside_range_speed_and_acceleration(script: list[tuple
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.floats(-15.0, 115.0), st.floats(-8.0, 98.0), st.floats(60.0, 180.0))
+@given(st.floats(-15.0, 115.0), st.floats(-8.0, 98.0), st.floats(90.0, 180.0))
 def test_a_target_in_range_is_reached_exactly_and_kept(c1: float, c2: float, elbow: float) -> None:
     command = RobotCommand(t_ns=0, right_arm=ArmTarget(c1, c2, elbow))
     now, reasons = run(home_setpoints(CONFIG), command, 480)
