@@ -217,9 +217,11 @@ def _too_near(
         return {}
     all_axes = axes(config)
     before = margins_m([previous.position[i] for i in _ARMS], config)
-    rest = [position[i] + velocity[i] * abs(velocity[i]) / (2 * all_axes[i].limits.acceleration) for i in _ARMS]
+    brake = [velocity[i] * abs(velocity[i]) / (2 * all_axes[i].limits.acceleration) for i in _ARMS]
     held: dict[int, RobotReason] = {}
-    for pose in ([position[i] for i in _ARMS], rest):
+    # on the way to rest arms may be nearer than at either end of it
+    for share in (0.0, 0.35, 0.7, 1.0):
+        pose = [position[i] + share * b for i, b in zip(_ARMS, brake, strict=True)]
         for a, b in breaches(before, margins_m(pose, config), config):
             reason = {TRUNK: RobotReason.BODY_DISTANCE, WORKSPACE: RobotReason.WORKSPACE}.get(
                 b, RobotReason.ARM_DISTANCE
