@@ -7,12 +7,13 @@ whoever plans a command.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from robot_sim.arm_angles import joint_rad
+from robot_sim.arm_angles import ARM_AXES, joint_rad
 from robot_sim.capsules import ArmModel, arm_model
 from robot_sim.commands import ARM_NAMES, ArmName, ArmTarget
 from robot_sim.config import RobotConfig
@@ -165,16 +166,62 @@ def _inside(T_joint, axis, tip, q, limits):  # type: ignore[no-untyped-def]
     return out
 
 
+@njit(
+    f"{_V}({_T}, {_M}, int64[::1], {_M}, {_V}, float64[:,::1], {_V}, {_V}, {_V}, {_V}, int64)", cache=True, nogil=True
+)
+def _braking(T_joint, axis, body, ends, radius, tip, limits, q, v, rate, looks):  # type: ignore[no-untyped-def]
+    """Smallest margins (9,) from q, moving at v, until every joint has braked at its rate: ``looks`` even times."""
+    n = len(q)
+    longest = 0.0
+    for j in range(n):
+        longest = max(longest, abs(v[j]) / rate[j])
+    least = np.full(9, np.inf)
+    pose = q.copy()
+    for look in range(looks if longest > 0.0 else 1):
+        time = longest * look / max(looks - 1, 1)
+        for j in range(n):
+            own = min(time, abs(v[j]) / rate[j])
+            pose[j] = q[j] + v[j] * own - 0.5 * np.sign(v[j]) * rate[j] * own * own
+        gaps, inside = _gaps(T_joint, axis, body, ends, radius, pose), _inside(T_joint, axis, tip, pose, limits)
+        for k in range(6):
+            least[k] = min(least[k], gaps[k])
+        for k in range(3):
+            least[6 + k] = min(least[6 + k], inside[k])
+    return least
+
+
+_STILL = np.zeros(9)
+_LOOKS = 7
+"""Poses looked at while braking, which takes 0.2 s at the most: under 35 ms apart."""
+
+
 def margins_m(q_rad: npt.ArrayLike, config: RobotConfig) -> F64:
     """Margins (9,) [m] in the order of PAIRS for the arms' joints (9,) [rad]: C1, C2, elbow of right, left, rear arm.
 
     Forearms and tools count against the trunk; jaws count as open. Negative: shapes overlap, or a tool is outside.
     """
+    return braking_margins_m(q_rad, _STILL, config)
+
+
+def braking_margins_m(q_rad: npt.ArrayLike, q_dot_rad_s: npt.ArrayLike, config: RobotConfig) -> F64:
+    """The smallest margins (9,) [m] on the way to rest, when all arms brake from here; as :func:`margins_m`.
+
+    q_dot_rad_s: the joints' speeds (9,) [rad/s]. Each brakes at its own acceleration, so they come to rest one after
+    the other.
+    """
     m: ArmModel = arm_model(config)
-    q = np.ascontiguousarray(q_rad, np.float64)
     c = config.clearance
-    inside = _inside(m.T_joint, m.axis, m.tip_m, q, np.array([c.reach_m, c.low_m, c.high_m]))
-    return np.concatenate([_gaps(m.T_joint, m.axis, m.body, m.ends_m, m.radius_m, q), inside])
+    q, v = (np.ascontiguousarray(x, np.float64) for x in (q_rad, q_dot_rad_s))
+    limits = np.array([c.reach_m, c.low_m, c.high_m])
+    return _braking(
+        m.T_joint, m.axis, m.body, m.ends_m, m.radius_m, m.tip_m, limits, q, v, _braking_rates(config), _LOOKS
+    )
+
+
+@lru_cache(maxsize=8)
+def _braking_rates(config: RobotConfig) -> F64:
+    """Accelerations (9,) [rad/s2] of the arms' joints."""
+    return np.tile([getattr(config.arm, axis).acceleration for axis in ARM_AXES], len(ARM_NAMES))
 
 
 def arms_rad(targets: Mapping[ArmName, ArmTarget]) -> F64:

@@ -13,7 +13,7 @@ from math import copysign, isfinite, sqrt
 
 from robot_sim.actuators import JOINT_INDEX, JOINTS, axes
 from robot_sim.arm_angles import arm_joint_names, joint_rad
-from robot_sim.clearance import TRUNK, WORKSPACE, breaches, margins_m
+from robot_sim.clearance import TRUNK, WORKSPACE, braking_margins_m, breaches, margins_m
 from robot_sim.commands import ARM_NAMES, Liquid, RobotCommand
 from robot_sim.config import AxisLimits, RobotConfig
 from robot_sim.reasons import RobotReason
@@ -158,14 +158,8 @@ def advance(previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig)
         reasons[RobotReason.DISC_TURNING] = None
     if previous.estop:
         reasons[RobotReason.ESTOP] = None
-    position, velocity = _advance_joints(previous, followed, dt_s, config)
-    held = _too_near(previous, position, velocity, config)
-    if held:
-        for arm, reason in held.items():
-            reasons[reason] = None
-            for i in _ARM_JOINTS[arm]:
-                followed[i] = None
-        position, velocity = _advance_joints(previous, followed, dt_s, config)
+    position, velocity, held = _advance_clear(previous, followed, dt_s, config)
+    reasons |= dict.fromkeys(held)
     if any(abs(v) >= axis.limits.speed - _AT_REST for axis, v in zip(axes(config), velocity, strict=True)):
         reasons[RobotReason.JOINT_SPEED] = None
     locked = turning or still
@@ -194,6 +188,7 @@ def _disc_turns(previous: Setpoints, goal_rad: float | None, config: RobotConfig
 
 _ARM_JOINTS = tuple(tuple(JOINT_INDEX[name] for name in arm_joint_names(arm)) for arm in ARM_NAMES)
 _ARMS = tuple(i for joints in _ARM_JOINTS for i in joints)
+_TOO_NEAR = {TRUNK: RobotReason.BODY_DISTANCE, WORKSPACE: RobotReason.WORKSPACE}
 
 
 def _advance_joints(
@@ -206,28 +201,33 @@ def _advance_joints(
     return [p for p, _ in moved], [v for _, v in moved]
 
 
-def _too_near(
-    previous: Setpoints, position: Sequence[float], velocity: Sequence[float], config: RobotConfig
-) -> dict[int, RobotReason]:
-    """Arms that must brake now, with the reason: else one would come too near, at once or where braking ends.
+def _advance_clear(
+    previous: Setpoints, bound_for: Sequence[float | None], dt_s: float, config: RobotConfig
+) -> tuple[list[float], list[float], tuple[RobotReason, ...]]:
+    """One tick towards the goals after which all arms can still brake without coming too near; else some brake now.
 
-    Every tick leaves room to brake, so that the next one can: the arms never come nearer than the configured gaps.
+    First the arms concerned brake, then, if that does not do, all of them: that way was looked at a tick ago, so the
+    arms never come nearer than the configured gaps. Also returns why arms were held.
     """
+    position, velocity = _advance_joints(previous, bound_for, dt_s, config)
     if not any(velocity[i] for i in _ARMS):
-        return {}
-    all_axes = axes(config)
+        return position, velocity, ()
     before = margins_m([previous.position[i] for i in _ARMS], config)
-    brake = [velocity[i] * abs(velocity[i]) / (2 * all_axes[i].limits.acceleration) for i in _ARMS]
-    held: dict[int, RobotReason] = {}
-    # on the way to rest arms may be nearer than at either end of it
-    for share in (0.0, 0.35, 0.7, 1.0):
-        pose = [position[i] + share * b for i, b in zip(_ARMS, brake, strict=True)]
-        for a, b in breaches(before, margins_m(pose, config), config):
-            reason = {TRUNK: RobotReason.BODY_DISTANCE, WORKSPACE: RobotReason.WORKSPACE}.get(
-                b, RobotReason.ARM_DISTANCE
-            )
-            held |= {arm: reason for arm in (a, b) if arm >= 0}
-    return held
+    reasons: dict[RobotReason, None] = {}
+    held: set[int] = set()
+    followed = list(bound_for)
+    while len(held) < len(_ARM_JOINTS):
+        after = braking_margins_m([position[i] for i in _ARMS], [velocity[i] for i in _ARMS], config)
+        pairs = breaches(before, after, config)
+        if not pairs:
+            break
+        reasons |= {_TOO_NEAR.get(b, RobotReason.ARM_DISTANCE): None for _, b in pairs}
+        concerned = {arm for pair in pairs for arm in pair if arm >= 0}
+        held |= concerned if concerned - held else set(range(len(_ARM_JOINTS)))
+        for i in (i for arm in held for i in _ARM_JOINTS[arm]):
+            followed[i] = None
+        position, velocity = _advance_joints(previous, followed, dt_s, config)
+    return position, velocity, tuple(reasons)
 
 
 def latch_estop(previous: Setpoints, on: bool) -> Setpoints:

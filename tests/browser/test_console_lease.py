@@ -16,10 +16,11 @@ KEY = """async path => (await fetch('/api/v1' + path, { method: 'POST', headers:
 def test_the_lease_is_handed_over_and_everybody_may_stop(
     page: Page, browser: Browser, server: ConsoleServer, logged: list[str]
 ) -> None:
-    page.keyboard.press("o")
+    expect(page.locator(".round[aria-pressed=true]")).to_have_count(1)
     page.keyboard.press("o")
     expect(page.locator(".lease")).to_have_attribute("data-standing", "mine")
     wait_for("the loop is off", lambda: not server.state()["source"]["loop"])
+    expect(page.locator(".round[aria-pressed=true]")).to_have_count(0)
     page.keyboard.press("o")
     wait_for("the loop is on again", lambda: server.state()["source"]["loop"])
     other = open_console(browser, server, logged, key="another-console-of-the-tests")

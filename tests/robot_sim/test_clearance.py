@@ -108,8 +108,8 @@ def test_no_sequence_of_targets_brings_arms_too_near(moves: list[tuple]) -> None
             setpoints, _ = limit(
                 setpoints, RobotCommand(0, right_arm=right, left_arm=left, rear_arm=rear), dt_s, CONFIG
             )
-            # two arms that brake together move on for a moment: a servo's error, no more
-            assert (margins_m([setpoints.position[i] for i in arms], CONFIG) >= least - 0.004).all()
+            # between two looks at the braking way a gap may be a little smaller
+            assert (margins_m([setpoints.position[i] for i in arms], CONFIG) >= least - 0.0005).all()
             for axis, q, speed in zip(axes(CONFIG), setpoints.position, setpoints.velocity, strict=True):
                 assert axis.limits.lower - 1e-9 <= q <= axis.limits.upper + 1e-9
                 assert abs(speed) <= axis.limits.speed + 1e-9
