@@ -23,12 +23,14 @@ GIVE_UP_S = 30.0
 
 @dataclass(frozen=True, slots=True)
 class PushOptions:
-    """seconds: how long. color: whether it is sent. loop: again at the end. window: frames on the way at most."""
+    """seconds: how long. color: whether it is sent. loop: again at the end. window: frames on the way at most.
+    lost_s: an answer that takes longer counts as lost."""
 
     seconds: float | None = None
     color: bool = True
     loop: bool = False
     window: int = 8
+    lost_s: float = 1.0
 
 
 @dataclass(slots=True)
@@ -76,7 +78,7 @@ class _Line:
         self._count = count
         self._hold = ExitStack()
         self._socket: ClientConnection | None = None
-        self._window = PushWindow(options.window)
+        self._window = PushWindow(options.window, options.lost_s)
         self._answered = False
         self._until_s = 0.0
 
@@ -98,7 +100,7 @@ class _Line:
                     ) from None
                 time.sleep(RETRY_S)
                 continue
-            self._window = PushWindow(self._options.window)
+            self._window = PushWindow(self._options.window, self._options.lost_s)
             self._answered = False
             self._count.connections += 1
             return

@@ -103,7 +103,7 @@ def test_a_lost_connection_is_made_again_and_silence_fills_the_window(walk: Mcap
         thread = threading.Thread(target=listening.serve_forever, daemon=True)
         thread.start()
         port = listening.socket.getsockname()[1]
-        sent = push_frames(walk, f"ws://127.0.0.1:{port}/", PushOptions(window=4))
+        sent = push_frames(walk, f"ws://127.0.0.1:{port}/", PushOptions(window=4, lost_s=60.0))
         listening.shutdown()
         thread.join(10)
     first, _, last = visits
