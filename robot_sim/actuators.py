@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 from robot_sim.arm_angles import ARM_AXES
 from robot_sim.commands import ARM_NAMES
 from robot_sim.config import AxisLimits, RobotConfig
+from robot_sim.derived import derived
 
 JOINTS: tuple[str, ...] = (
     "lift",
@@ -35,16 +35,12 @@ class Axis:
     home: float
 
 
-@lru_cache(maxsize=8)
-def _axes(config: RobotConfig) -> tuple[Axis, ...]:
+@derived
+def axes(config: RobotConfig) -> tuple[Axis, ...]:
+    """All driven joints in the order of JOINTS."""
     arm, body, tool = config.arm, config.body, config.tool
     limits = {"lift": body.lift, "disc": body.disc, "head_pan": body.head_pan, "cutter": tool.cutter}
     limits |= {"gripper_left": tool.jaw, "gripper_right": tool.jaw}
     limits |= {f"{a}_{x}": getattr(arm, x) for a in ARM_NAMES for x in ARM_AXES}
     home = {"lift": body.home_lift_m, "gripper_left": tool.jaw.upper, "gripper_right": tool.jaw.upper}
     return tuple(Axis(n, limits[n], min(max(home.get(n, 0.0), limits[n].lower), limits[n].upper)) for n in JOINTS)
-
-
-def axes(config: RobotConfig) -> tuple[Axis, ...]:
-    """All driven joints in the order of JOINTS."""
-    return _axes(config)

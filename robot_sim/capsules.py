@@ -7,7 +7,6 @@ more than the rounding of edges.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import ceil, sqrt
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy.typing as npt
 from robot_sim.arm_angles import arm_joint_names
 from robot_sim.commands import ARM_NAMES
 from robot_sim.config import RobotConfig
+from robot_sim.derived import derived
 from robot_sim.kinematics.transforms import rpy, translation
 from robot_sim.urdf import robot_parts
 from robot_sim.urdf_parts import Joint, Link, Shape
@@ -34,7 +34,8 @@ class ArmModel:
 
     T_joint (3 arms, 3 joints, 4, 4): from the link before a joint to the joint at zero; axis (3, 3, 3): unit, in the
     joint's axes. body (K,): 3 * arm + joint that carries the capsule, -1 for the trunk. ends_m (K, 2, 3) in that
-    link's axes, radius_m (K,). tip_m (3, 3): the far end of each arm's tool in its forearm's axes.
+    link's axes, radius_m (K,). tip_m (3, 3): the far end of each arm's tool in its forearm's axes. lever_m (3, 3): no
+    point that a joint carries is further from it, whatever the joints beyond it do.
     """
 
     T_joint: F64
@@ -43,6 +44,7 @@ class ArmModel:
     ends_m: F64
     radius_m: F64
     tip_m: F64
+    lever_m: F64
 
 
 def lines_of(shape: Shape) -> list[tuple[F64, F64, float]]:
@@ -85,7 +87,7 @@ def _pose(joint: Joint) -> F64:
     return np.asarray(translation(*joint.xyz_m) @ rpy(*joint.rpy_rad))
 
 
-@lru_cache(maxsize=8)
+@derived
 def arm_model(config: RobotConfig) -> ArmModel:
     """The model of a robot. Jaws count as open; the head camera and the cutter's blade are left out."""
     parts = robot_parts(config)
@@ -124,4 +126,18 @@ def arm_model(config: RobotConfig) -> ArmModel:
                 if body % 3 == 2 and body >= 0:
                     low = a if a[2] < b[2] else b
                     tip_m[body // 3] = min(tip_m[body // 3], low, key=lambda p: float(p[2]))
-    return ArmModel(T_joint, axis, np.array(bodies), np.array(ends), np.array(radii), tip_m)
+    carrier, ends_m, radius_m = np.array(bodies), np.array(ends), np.array(radii)
+    levers = _levers(T_joint, carrier, ends_m, radius_m)
+    return ArmModel(T_joint, axis, carrier, ends_m, radius_m, tip_m, levers)
+
+
+def _levers(T_joint: F64, body: I64, ends_m: F64, radius_m: F64) -> F64:
+    """ArmModel.lever_m: the longest way from each joint along its links to a capsule's surface."""
+    lever_m = np.zeros((3, 3))
+    for arm in range(3):
+        for j in (2, 1, 0):
+            own = body == 3 * arm + j
+            reach = (np.linalg.norm(ends_m[own], axis=2) + radius_m[own, None]).max(initial=0.0)
+            beyond = 0.0 if j == 2 else np.linalg.norm(T_joint[arm, j + 1, :3, 3]) + lever_m[arm, j + 1]
+            lever_m[arm, j] = max(reach, beyond)
+    return lever_m

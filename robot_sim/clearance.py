@@ -7,16 +7,16 @@ whoever plans a command.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from robot_sim.arm_angles import ARM_AXES, joint_rad
+from robot_sim.arm_angles import joint_rad
 from robot_sim.capsules import ArmModel, arm_model
 from robot_sim.commands import ARM_NAMES, ArmName, ArmTarget
 from robot_sim.config import RobotConfig
+from robot_sim.derived import derived
 
 F64 = npt.NDArray[np.float64]
 _T, _M, _V = "float64[:,:,:,::1]", "float64[:,:,::1]", "float64[::1]"
@@ -101,11 +101,9 @@ def _segments(p1, q1, p2, q2):  # type: ignore[no-untyped-def]
     return np.sqrt(total)
 
 
-@njit(f"{_V}({_T}, {_M}, int64[::1], {_M}, {_V}, {_V})", cache=True, nogil=True)
-def _gaps(T_joint, axis, body, ends, radius, q):  # type: ignore[no-untyped-def]
-    """Smallest gap of the first six PAIRS (6,) [m]; negative where capsules overlap."""
-    R, p = np.zeros((9, 3, 3)), np.zeros((9, 3))
-    _forward(T_joint, axis, q, R, p)
+@njit(f"void(int64[::1], {_M}, {_V}, {_M}, float64[:,::1], {_V})", cache=True, nogil=True)
+def _gaps(body, ends, radius, R, p, gaps):  # type: ignore[no-untyped-def]
+    """Smallest gap of the first six PAIRS into gaps (6,) [m]; negative where capsules overlap."""
     n = len(body)
     world = ends.copy()
     for k in range(n):
@@ -124,7 +122,7 @@ def _gaps(T_joint, axis, body, ends, radius, q):  # type: ignore[no-untyped-def]
             middle[k, a] = 0.5 * (world[k, 0, a] + world[k, 1, a])
             total += (world[k, 1, a] - world[k, 0, a]) ** 2
         half[k] = 0.5 * np.sqrt(total) + radius[k]
-    gaps = np.full(6, np.inf)
+    gaps[:] = np.inf
     for i in range(n):
         for j in range(i + 1, n):
             arm_i = body[i] // 3 if body[i] >= 0 else -1
@@ -146,15 +144,11 @@ def _gaps(T_joint, axis, body, ends, radius, q):  # type: ignore[no-untyped-def]
             gap = _segments(world[i, 0], world[i, 1], world[j, 0], world[j, 1]) - radius[i] - radius[j]
             if gap < gaps[pair]:
                 gaps[pair] = gap
-    return gaps
 
 
-@njit(f"{_V}({_T}, {_M}, float64[:,::1], {_V}, {_V})", cache=True, nogil=True)
-def _inside(T_joint, axis, tip, q, limits):  # type: ignore[no-untyped-def]
-    """How far each tool's end is inside the workspace (3,) [m]; limits: reach, low, high."""
-    R, p = np.zeros((9, 3, 3)), np.zeros((9, 3))
-    _forward(T_joint, axis, q, R, p)
-    out = np.zeros(3)
+@njit(f"void(float64[:,::1], {_V}, {_M}, float64[:,::1], {_V})", cache=True, nogil=True)
+def _inside(tip, limits, R, p, out):  # type: ignore[no-untyped-def]
+    """How far each tool's end is inside the workspace, into out (3,) [m]; limits: reach, low, high."""
     for arm in range(3):
         at = np.zeros(3)
         for a in range(3):
@@ -163,36 +157,17 @@ def _inside(T_joint, axis, tip, q, limits):  # type: ignore[no-untyped-def]
                 at[a] += R[3 * arm + 2, a, m] * tip[arm, m]
         reach = limits[0] - np.sqrt(at[0] ** 2 + at[1] ** 2)
         out[arm] = min(reach, min(at[2] - limits[1], limits[2] - at[2]))
+
+
+@njit(f"{_V}({_T}, {_M}, int64[::1], {_M}, {_V}, float64[:,::1], {_V}, {_V})", cache=True, nogil=True)
+def pose_margins(T_joint, axis, body, ends, radius, tip, limits, q):  # type: ignore[no-untyped-def]
+    """Margins (9,) [m] of one pose. limits: reach, low, high."""
+    R, p = np.zeros((9, 3, 3)), np.zeros((9, 3))
+    _forward(T_joint, axis, q, R, p)
+    out = np.empty(9)
+    _gaps(body, ends, radius, R, p, out[:6])
+    _inside(tip, limits, R, p, out[6:])
     return out
-
-
-@njit(
-    f"{_V}({_T}, {_M}, int64[::1], {_M}, {_V}, float64[:,::1], {_V}, {_V}, {_V}, {_V}, int64)", cache=True, nogil=True
-)
-def _braking(T_joint, axis, body, ends, radius, tip, limits, q, v, rate, looks):  # type: ignore[no-untyped-def]
-    """Smallest margins (9,) from q, moving at v, until every joint has braked at its rate: ``looks`` even times."""
-    n = len(q)
-    longest = 0.0
-    for j in range(n):
-        longest = max(longest, abs(v[j]) / rate[j])
-    least = np.full(9, np.inf)
-    pose = q.copy()
-    for look in range(looks if longest > 0.0 else 1):
-        time = longest * look / max(looks - 1, 1)
-        for j in range(n):
-            own = min(time, abs(v[j]) / rate[j])
-            pose[j] = q[j] + v[j] * own - 0.5 * np.sign(v[j]) * rate[j] * own * own
-        gaps, inside = _gaps(T_joint, axis, body, ends, radius, pose), _inside(T_joint, axis, tip, pose, limits)
-        for k in range(6):
-            least[k] = min(least[k], gaps[k])
-        for k in range(3):
-            least[6 + k] = min(least[6 + k], inside[k])
-    return least
-
-
-_STILL = np.zeros(9)
-_LOOKS = 7
-"""Poses looked at while braking, which takes 0.2 s at the most: under 35 ms apart."""
 
 
 def margins_m(q_rad: npt.ArrayLike, config: RobotConfig) -> F64:
@@ -200,28 +175,23 @@ def margins_m(q_rad: npt.ArrayLike, config: RobotConfig) -> F64:
 
     Forearms and tools count against the trunk; jaws count as open. Negative: shapes overlap, or a tool is outside.
     """
-    return braking_margins_m(q_rad, _STILL, config)
-
-
-def braking_margins_m(q_rad: npt.ArrayLike, q_dot_rad_s: npt.ArrayLike, config: RobotConfig) -> F64:
-    """The smallest margins (9,) [m] on the way to rest, when all arms brake from here; as :func:`margins_m`.
-
-    q_dot_rad_s: the joints' speeds (9,) [rad/s]. Each brakes at its own acceleration, so they come to rest one after
-    the other.
-    """
     m: ArmModel = arm_model(config)
+    q = np.ascontiguousarray(q_rad, np.float64)
+    return pose_margins(m.T_joint, m.axis, m.body, m.ends_m, m.radius_m, m.tip_m, workspace(config), q)
+
+
+@derived
+def workspace(config: RobotConfig) -> F64:
+    """Reach, low and high end of the tools' workspace (3,) [m]."""
     c = config.clearance
-    q, v = (np.ascontiguousarray(x, np.float64) for x in (q_rad, q_dot_rad_s))
-    limits = np.array([c.reach_m, c.low_m, c.high_m])
-    return _braking(
-        m.T_joint, m.axis, m.body, m.ends_m, m.radius_m, m.tip_m, limits, q, v, _braking_rates(config), _LOOKS
-    )
+    return np.array([c.reach_m, c.low_m, c.high_m])
 
 
-@lru_cache(maxsize=8)
-def _braking_rates(config: RobotConfig) -> F64:
-    """Accelerations (9,) [rad/s2] of the arms' joints."""
-    return np.tile([getattr(config.arm, axis).acceleration for axis in ARM_AXES], len(ARM_NAMES))
+@derived
+def least_margins_m(config: RobotConfig) -> F64:
+    """What every margin (9,) has to keep [m]: between arms with the reserve in which they brake."""
+    c = config.clearance
+    return np.array([c.arm_gap_m + c.reserve_m] * 3 + [c.body_gap_m] * 3 + [0.0] * 3)
 
 
 def arms_rad(targets: Mapping[ArmName, ArmTarget]) -> F64:
@@ -234,6 +204,4 @@ def breaches(before_m: F64, after_m: F64, config: RobotConfig) -> tuple[tuple[in
 
     Moving apart is always allowed: nobody gets stuck.
     """
-    c = config.clearance
-    least = np.array([c.arm_gap_m + c.reserve_m] * 3 + [c.body_gap_m] * 3 + [0.0] * 3)
-    return tuple(PAIRS[i] for i in np.flatnonzero(after_m < np.minimum(least, before_m - 1e-9)))
+    return tuple(PAIRS[i] for i in np.flatnonzero(after_m < np.minimum(least_margins_m(config), before_m - 1e-9)))

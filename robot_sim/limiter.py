@@ -9,15 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from math import copysign, isfinite, sqrt
+from math import copysign, isfinite
+
+import numpy as np
+import numpy.typing as npt
 
 from robot_sim.actuators import JOINT_INDEX, JOINTS, axes
 from robot_sim.arm_angles import arm_joint_names, joint_rad
-from robot_sim.clearance import TRUNK, WORKSPACE, braking_margins_m, breaches, margins_m
+from robot_sim.braking import brakes_clear, braking_margins_m
+from robot_sim.clearance import TRUNK, WORKSPACE, breaches, margins_m
 from robot_sim.commands import ARM_NAMES, Liquid, RobotCommand
-from robot_sim.config import AxisLimits, RobotConfig
+from robot_sim.config import RobotConfig
+from robot_sim.profiles import advance_joints, joint_limits
 from robot_sim.reasons import RobotReason
 
+F64 = npt.NDArray[np.float64]
 _AT_REST = 1e-9
 
 
@@ -160,13 +166,13 @@ def advance(previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig)
         reasons[RobotReason.ESTOP] = None
     position, velocity, held = _advance_clear(previous, followed, dt_s, config)
     reasons |= dict.fromkeys(held)
-    if any(abs(v) >= axis.limits.speed - _AT_REST for axis, v in zip(axes(config), velocity, strict=True)):
+    if (np.abs(velocity) >= joint_limits(config).speed - _AT_REST).any():
         reasons[RobotReason.JOINT_SPEED] = None
     locked = turning or still
     drive, turn = _advance_chassis(previous, goals, dt_s, config, reasons)
     setpoints = Setpoints(
-        position=tuple(position),
-        velocity=tuple(velocity),
+        position=tuple(position.tolist()),
+        velocity=tuple(velocity.tolist()),
         goal=tuple(goal),
         drive_m_s=drive,
         turn_rad_s=turn,
@@ -187,70 +193,42 @@ def _disc_turns(previous: Setpoints, goal_rad: float | None, config: RobotConfig
 
 
 _ARM_JOINTS = tuple(tuple(JOINT_INDEX[name] for name in arm_joint_names(arm)) for arm in ARM_NAMES)
-_ARMS = tuple(i for joints in _ARM_JOINTS for i in joints)
+_ARMS = np.array(_ARM_JOINTS).ravel()
 _TOO_NEAR = {TRUNK: RobotReason.BODY_DISTANCE, WORKSPACE: RobotReason.WORKSPACE}
-
-
-def _advance_joints(
-    previous: Setpoints, bound_for: Sequence[float | None], dt_s: float, config: RobotConfig
-) -> tuple[list[float], list[float]]:
-    moved = [
-        _advance_joint(p, v, goal, axis.limits, dt_s)
-        for axis, p, v, goal in zip(axes(config), previous.position, previous.velocity, bound_for, strict=True)
-    ]
-    return [p for p, _ in moved], [v for _, v in moved]
 
 
 def _advance_clear(
     previous: Setpoints, bound_for: Sequence[float | None], dt_s: float, config: RobotConfig
-) -> tuple[list[float], list[float], tuple[RobotReason, ...]]:
+) -> tuple[F64, F64, tuple[RobotReason, ...]]:
     """One tick towards the goals after which all arms can still brake without coming too near; else some brake now.
 
     First the arms concerned brake, then, if that does not do, all of them: that way was looked at a tick ago, so the
-    arms never come nearer than the configured gaps. Also returns why arms were held.
+    arms never come nearer than the configured gaps. Returns positions and speeds (n,), and why arms were held.
     """
-    position, velocity = _advance_joints(previous, bound_for, dt_s, config)
-    if not any(velocity[i] for i in _ARMS):
-        return position, velocity, ()
-    before = margins_m([previous.position[i] for i in _ARMS], config)
+    p, v = np.array(previous.position), np.array(previous.velocity)
+    followed = np.array([np.nan if goal is None else goal for goal in bound_for])
+    position, velocity = advance_joints(p, v, followed, dt_s, config)
     reasons: dict[RobotReason, None] = {}
     held: set[int] = set()
-    followed = list(bound_for)
-    while len(held) < len(_ARM_JOINTS):
-        after = braking_margins_m([position[i] for i in _ARMS], [velocity[i] for i in _ARMS], config)
-        pairs = breaches(before, after, config)
+    while len(held) < len(_ARM_JOINTS) and velocity[_ARMS].any():
+        if brakes_clear(position[_ARMS], velocity[_ARMS], config):
+            break
+        after = braking_margins_m(position[_ARMS], velocity[_ARMS], config)
+        pairs = breaches(margins_m(p[_ARMS], config), after, config)
         if not pairs:
             break
         reasons |= {_TOO_NEAR.get(b, RobotReason.ARM_DISTANCE): None for _, b in pairs}
         concerned = {arm for pair in pairs for arm in pair if arm >= 0}
         held |= concerned if concerned - held else set(range(len(_ARM_JOINTS)))
-        for i in (i for arm in held for i in _ARM_JOINTS[arm]):
-            followed[i] = None
-        position, velocity = _advance_joints(previous, followed, dt_s, config)
+        for arm in held:
+            followed[list(_ARM_JOINTS[arm])] = np.nan
+        position, velocity = advance_joints(p, v, followed, dt_s, config)
     return position, velocity, tuple(reasons)
 
 
 def latch_estop(previous: Setpoints, on: bool) -> Setpoints:
     """Set or reset the emergency stop; while it is set no goal is followed."""
     return replace(previous, estop=on)
-
-
-def _advance_joint(p: float, v: float, goal: float | None, limits: AxisLimits, dt_s: float) -> tuple[float, float]:
-    """Trapezoidal speed profile in whole ticks: the fastest speed from which braking still ends at the goal."""
-    a = limits.acceleration * dt_s
-    if goal is None:
-        v = 0.0 if abs(v) <= a else v - copysign(a, v)
-        return min(max(p + v * dt_s, limits.lower), limits.upper), v
-    error = goal - p
-    # n ticks of braking from n*a cover a*dt*n*(n+1)/2; solved for the speed n*a that covers the error
-    most = 0.5 * a * (sqrt(1.0 + 8.0 * abs(error) / (a * dt_s)) - 1.0)
-    most = min(most, limits.speed)
-    if most * dt_s > abs(error):
-        most = abs(error) / dt_s
-    v_new = min(max(copysign(most, error), v - a), v + a)
-    if abs(error) <= a * dt_s and abs(v) <= a:
-        return goal, 0.0
-    return min(max(p + v_new * dt_s, limits.lower), limits.upper), v_new
 
 
 def _advance_chassis(

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from robot_sim.commands import ARM_NAMES
 from robot_sim.config import RobotConfig
+from robot_sim.derived import derived
 from robot_sim.urdf_parts import Joint, Link, robot_xml
 from robot_sim.urdf_parts_arms import arm
 from robot_sim.urdf_parts_body import head, upper_body
@@ -21,7 +20,7 @@ def robot_parts(config: RobotConfig) -> list[Link | Joint]:
     return [*parts, *gripper(config), *fruit_box(config), *sprayer(config), *head(config)]
 
 
-@lru_cache(maxsize=8)
+@derived
 def robot_urdf(config: RobotConfig) -> str:
     """URDF text of the three-arm robot; boxes, cylinders and spheres only, no mesh files."""
     return robot_xml("greenhouse_robot", robot_parts(config))

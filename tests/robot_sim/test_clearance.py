@@ -7,7 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robot_sim.actuators import JOINT_INDEX, axes
-from robot_sim.clearance import PAIRS, arms_rad, breaches, margins_m
+from robot_sim.braking import brakes_clear, braking_margins_m
+from robot_sim.capsules import arm_model
+from robot_sim.clearance import PAIRS, arms_rad, breaches, least_margins_m, margins_m
 from robot_sim.commands import ARM_NAMES, ArmTarget, RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.limiter import home_setpoints, limit
@@ -113,3 +115,20 @@ def test_no_sequence_of_targets_brings_arms_too_near(moves: list[tuple]) -> None
             for axis, q, speed in zip(axes(CONFIG), setpoints.position, setpoints.velocity, strict=True):
                 assert axis.limits.lower - 1e-9 <= q <= axis.limits.upper + 1e-9
                 assert abs(speed) <= axis.limits.speed + 1e-9
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=18, max_size=18))
+def test_the_quick_look_at_braking_arms_answers_as_the_whole_one(values: list[float]) -> None:
+    arms = [axes(CONFIG)[JOINT_INDEX[f"{arm}_{axis}"]].limits for arm in ARM_NAMES for axis in ("c1", "c2", "elbow")]
+    q = np.array([a.lower + 0.5 * (v + 1.0) * (a.upper - a.lower) for a, v in zip(arms, values[:9], strict=True)])
+    v = np.array([a.speed * share for a, share in zip(arms, values[9:], strict=True)])
+    keeps = bool((braking_margins_m(q, v, CONFIG) >= least_margins_m(CONFIG)).all())
+    assert brakes_clear(q, v, CONFIG) == keeps
+
+
+def test_no_point_of_an_arm_is_further_from_a_joint_than_its_lever() -> None:
+    model = arm_model(CONFIG)
+    straight = CONFIG.arm.upper_m + CONFIG.arm.forearm_m
+    assert (model.lever_m[:, 0] == model.lever_m[:, 1]).all()
+    assert (model.lever_m[:, 0] > straight).all() and (model.lever_m[:, 2] < model.lever_m[:, 0]).all()
