@@ -13,6 +13,7 @@ import numpy.typing as npt
 from numba import njit
 
 from robot_sim.arm_angles import joint_rad
+from robot_sim.arm_links import forward
 from robot_sim.capsules import ArmModel, arm_model
 from robot_sim.commands import ARM_NAMES, ArmName, ArmTarget
 from robot_sim.config import RobotConfig
@@ -30,43 +31,6 @@ PAIRS: tuple[tuple[int, int], ...] = (
     *((arm, WORKSPACE) for arm in range(3)),
 )
 """Order of the margins: right-left, right-rear, left-rear, each arm with the trunk, each tool with its workspace."""
-
-
-@njit(f"void({_T}, {_M}, {_V}, {_M}, float64[:,::1])", cache=True, nogil=True)
-def _forward(T_joint, axis, q, R, p):  # type: ignore[no-untyped-def]
-    """Poses of the nine moving links: R (9, 3, 3), p (9, 3), from joint angles q (9,) [rad]."""
-    for arm in range(3):
-        for j in range(3):
-            k = 3 * arm + j
-            x, y, z = axis[arm, j, 0], axis[arm, j, 1], axis[arm, j, 2]
-            c, s = np.cos(q[k]), np.sin(q[k])
-            v = 1.0 - c
-            turn = np.array(
-                [
-                    [c + x * x * v, x * y * v - z * s, x * z * v + y * s],
-                    [y * x * v + z * s, c + y * y * v, y * z * v - x * s],
-                    [z * x * v - y * s, z * y * v + x * s, c + z * z * v],
-                ]
-            )
-            local = np.zeros((3, 3))
-            for a in range(3):
-                for b in range(3):
-                    for m in range(3):
-                        local[a, b] += T_joint[arm, j, a, m] * turn[m, b]
-            for a in range(3):
-                if j == 0:
-                    p[k, a] = T_joint[arm, j, a, 3]
-                    for b in range(3):
-                        R[k, a, b] = local[a, b]
-                else:
-                    p[k, a] = p[k - 1, a]
-                    for m in range(3):
-                        p[k, a] += R[k - 1, a, m] * T_joint[arm, j, m, 3]
-                    for b in range(3):
-                        total = 0.0
-                        for m in range(3):
-                            total += R[k - 1, a, m] * local[m, b]
-                        R[k, a, b] = total
 
 
 @njit(f"float64({_V}, {_V}, {_V}, {_V})", cache=True, nogil=True)
@@ -163,7 +127,7 @@ def _inside(tip, limits, R, p, out):  # type: ignore[no-untyped-def]
 def pose_margins(T_joint, axis, body, ends, radius, tip, limits, q):  # type: ignore[no-untyped-def]
     """Margins (9,) [m] of one pose. limits: reach, low, high."""
     R, p = np.zeros((9, 3, 3)), np.zeros((9, 3))
-    _forward(T_joint, axis, q, R, p)
+    forward(T_joint, axis, q, R, p)
     out = np.empty(9)
     _gaps(body, ends, radius, R, p, out[:6])
     _inside(tip, limits, R, p, out[6:])

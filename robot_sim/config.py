@@ -5,13 +5,10 @@ from __future__ import annotations
 from math import pi
 from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-
-class RobotSection(BaseModel):
-    """A frozen section; an unknown key, an infinity or a value out of range is refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+from robot_sim.pick_config import PickConfig
+from robot_sim.section import RobotSection
 
 
 class AxisLimits(RobotSection):
@@ -303,6 +300,7 @@ class RobotConfig(RobotSection):
     clearance: ClearanceConfig = Field(default_factory=ClearanceConfig)
     serial: SerialConfig = Field(default_factory=SerialConfig)
     servo: ServoConfig = Field(default_factory=ServoConfig)
+    pick: PickConfig = Field(default_factory=PickConfig)
     position_gain: float = Field(
         default=0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick"
     )

@@ -9,11 +9,12 @@ from typing import Literal, Self
 from pydantic import Field, ValidationError, model_validator
 
 from robot_sim.commands import ArmTarget, Liquid
-from robot_sim.config import RobotConfig, RobotSection
+from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
 from robot_sim.metrics import RunMetrics
 from robot_sim.plants import Fruit
 from robot_sim.reach import hand_in_base
+from robot_sim.section import RobotSection
 from robot_sim.urdf_parts_tools import GRIP_M
 
 BUNDLED = Path(__file__).parent / "scenarios"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import Literal
 
 from robot_sim.commands import ArmTarget, Liquid
+from teleop.reasons import Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +44,28 @@ class RobotRequest:
 
 
 @dataclass(frozen=True, slots=True)
+class PickAsk:
+    """What the console or the API asks of the assisted pick.
+
+    id: of the task. fruit: the one to pick; None takes the nearest ripe one. preview: show the path and wait to be
+    confirmed; while an operator is engaged it waits for their left fist in any case. reason: why it is cancelled.
+    """
+
+    id: str
+    action: Literal["start", "confirm", "cancel"] = "start"
+    fruit: str | None = None
+    preview: bool = False
+    reason: Reason = Reason.ASSIST_CANCELLED
+
+
+@dataclass(frozen=True, slots=True)
 class Inputs:
     """Everything that happened since the last frame.
 
     engage, disengage, estop, estop_reset: requests of the console or the API; an e-stop wins over all.
-    request: direct control. receive_t_ns: when the frame was received (monotonic ns), for live sources only; a
-    replayed frame has none, because its clock may be paused or run fast. source_failed: the source says so itself.
+    request: direct control. picks: asked of the assisted pick, in order. receive_t_ns: when the frame was received
+    (monotonic ns), for live sources only; a replayed frame has none, because its clock may be paused or run fast.
+    source_failed: the source says so itself.
     """
 
     engage: bool = False
@@ -55,5 +73,6 @@ class Inputs:
     estop: bool = False
     estop_reset: bool = False
     request: RobotRequest | None = None
+    picks: tuple[PickAsk, ...] = ()
     receive_t_ns: int | None = None
     source_failed: bool = False

@@ -8,8 +8,12 @@ from typing import Final
 
 from robot_sim.commands import ArmName, ArmTarget, RobotCommand
 from teleop.angles import arm_angles
+from teleop.assist.overlay import arms_as_they_are, laid_over, ran, tools_as_they_are
+from teleop.assist.step import Assisted, AssistState, Situation, step_assist
+from teleop.assist.task import RobotView
 from teleop.config.intent import DriveConfig, IntentConfig
-from teleop.inputs import RobotRequest
+from teleop.engage import hand_beside_head
+from teleop.inputs import PickAsk, RobotRequest
 from teleop.intent_types import Event, Hands, Intent, Mode, Side, Zone
 from teleop.mapping import ArmMemory, Measured, eased_from, measure, step_arm
 from teleop.modes import ACTING, IN_CONTROL, WORKING
@@ -43,6 +47,7 @@ class KernelState:
     disc_rad: float | None = 0.0
     disc_wait_s: float = 0.0
     acting: bool = False
+    assist: AssistState = field(default_factory=AssistState)
     events: tuple[Event, ...] = ()
 
 
@@ -51,7 +56,7 @@ class Moment:
     """What the kernel must know of this frame beside the intent.
 
     body: the gated, levelled skeleton, None when it is not tracked right now. dt_s: 0 for a refused frame.
-    zone_settled: the operator stands in the zone that counts.
+    zone_settled: the operator stands in the zone that counts. robot: for the assisted pick; None: there is none.
     """
 
     body: Skeleton | None
@@ -59,10 +64,16 @@ class Moment:
     zone_settled: bool
     estop: bool
     head_camera_sweep: bool
+    robot: RobotView | None = None
 
 
 def step_kernel(
-    intent: Intent, moment: Moment, state: KernelState, request: RobotRequest | None, config: IntentConfig
+    intent: Intent,
+    moment: Moment,
+    state: KernelState,
+    request: RobotRequest | None,
+    config: IntentConfig,
+    picks: tuple[PickAsk, ...] = (),
 ) -> tuple[RobotCommand, KernelState]:
     """One frame: the command with the reasons for everything that does not move, and the next state."""
     before = state
@@ -84,26 +95,94 @@ def step_kernel(
         head_camera_sweep=moment.head_camera_sweep,
     )
     still = _why_still(intent, moment, config)
+    assisted = step_assist(
+        state.assist, _situation(intent, moment, state, request, still, config), picks, moment.robot, config.assist
+    )
     why: tuple[Reason, ...] = ()
     if still is not None:
         why = (still,)
         state = _ease_anew(state) if still is Reason.GESTURE else state
         state = replace(state, tools=replace(state.tools, spray_on=False))
+    elif assisted.holds:
+        state = _ease_anew(replace(state, tools=rest(state.tools)))
     elif state.task is not None:
         state, command, why = _work(state.task, intent.hands, moment, state, command, config)
     else:
         command = _cruise(intent.mode, command, config.drive)
+    state = replace(state, events=tool_events(intent.t_ns, before.tools, state.tools))
+    command, state = _assist(command, state, assisted, moment.robot)
     if request is not None:
         command, state, refused = apply_request(command, request, state, intent.mode, moment.estop, config)
         if refused is not None:
             why = (*why, refused)
-            state = replace(state, events=(Event(intent.t_ns, "refused", refused),))
+            state = replace(state, events=(Event(intent.t_ns, "refused", refused), *state.events))
     if state.disc_wait_s > 0:
         command = replace(command, right_arm=None, left_arm=None, rear_arm=None, gripper_open=None, spray_on=False)
         why = (*why, Reason.DISC_TURNING)
-    state = replace(state, events=(*state.events, *tool_events(intent.t_ns, before.tools, state.tools)))
-    reasons = tuple(dict.fromkeys((*intent.reasons, *(str(reason) for reason in why))))
-    return replace(command, reasons=reasons), state
+    reasons = (*intent.reasons, *(str(reason) for reason in why), *assisted.reasons)
+    return replace(command, reasons=tuple(dict.fromkeys(reasons))), state
+
+
+def step_between(
+    command: RobotCommand,
+    state: KernelState,
+    now: Situation,
+    request: RobotRequest | None,
+    picks: tuple[PickAsk, ...],
+    robot: RobotView | None,
+    config: IntentConfig,
+) -> tuple[RobotCommand, KernelState]:
+    """A step between two frames, or without any: requests and the assisted pick over the command that stands."""
+    assisted = step_assist(state.assist, now, picks, robot, config.assist)
+    command, state = _assist(command, replace(state, events=()), assisted, robot)
+    refused: Reason | None = None
+    if request is not None:
+        estop = now.stopped is Reason.ESTOP
+        command, state, refused = apply_request(command, request, state, now.mode, estop, config)
+    if refused is not None:
+        state = replace(state, events=(Event(now.t_ns, "refused", refused), *state.events))
+    reasons = (*command.reasons, *assisted.reasons, *((refused,) if refused else ()))
+    return replace(command, reasons=tuple(dict.fromkeys(map(str, reasons)))), state
+
+
+def _situation(
+    intent: Intent,
+    moment: Moment,
+    state: KernelState,
+    request: RobotRequest | None,
+    still: Reason | None,
+    config: IntentConfig,
+) -> Situation:
+    """What the assisted pick must know of this frame."""
+    side, other = _operator_side("right", config), _operator_side("left", config)
+    raised = False
+    if moment.body is not None and not still:
+        elbow_deg = arm_angles(moment.body, other, config.angles).theta3_deg
+        raised = hand_beside_head(moment.body, other, elbow_deg, config.engage)
+    in_control = intent.mode in IN_CONTROL
+    return Situation(
+        t_ns=intent.t_ns,
+        mode=intent.mode,
+        hands=intent.hands if side == "right" else swapped(intent.hands),
+        body=moment.body,
+        pointing=side,
+        raised=raised,
+        dt_s=moment.dt_s,
+        still=Reason.DISC_TURNING if state.disc_wait_s > 0 else still if in_control else None,
+        stopped=still if intent.mode is Mode.STOPPED else None,
+        manual=request is not None,
+    )
+
+
+def _assist(
+    command: RobotCommand, state: KernelState, assisted: Assisted, robot: RobotView | None
+) -> tuple[RobotCommand, KernelState]:
+    """The assisted pick's part of a step."""
+    if robot is not None and ran(state.assist, assisted.state):
+        tools, arms = tools_as_they_are(state.tools, robot), arms_as_they_are(state.arms, robot)
+        state = replace(state, tools=tools, arms=arms)
+    state = replace(state, assist=assisted.state, events=(*state.events, *assisted.events))
+    return laid_over(command, assisted), state
 
 
 def _enter(state: KernelState, mode: Mode, config: IntentConfig) -> KernelState:
@@ -161,7 +240,7 @@ def _work(
     elif moment.dt_s > 0:
         side = _operator_side("right", config)
         tools, tool_reasons = step_tools(
-            state.tools, task, hands if side == "right" else _swapped(hands), arm_hangs(moment.body, side, config)
+            state.tools, task, hands if side == "right" else swapped(hands), arm_hangs(moment.body, side, config)
         )
         state = replace(state, tools=tools)
         why += tool_reasons
@@ -184,7 +263,7 @@ def _work(
     return state, command, tuple(why)
 
 
-def _swapped(hands: Hands) -> Hands:
+def swapped(hands: Hands) -> Hands:
     """The hands in each other's role, for left-handed operators."""
     return Hands(hands.left, hands.right, hands.left_confidence, hands.right_confidence)
 
@@ -238,7 +317,7 @@ def apply_request(
         return command, state, Reason.REQUEST_ESTOP
     if not request.finite:
         return command, state, Reason.REQUEST_NOT_FINITE
-    command = replace(command, lift_m=request.lift_m)
+    command = command if request.lift_m is None else replace(command, lift_m=request.lift_m)
     if request.disc_rad is not None:
         state = turn_disc(state, request.disc_rad, config)
         command = replace(command, disc_rad=request.disc_rad)

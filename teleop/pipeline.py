@@ -9,15 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from robot_sim.commands import RobotCommand
+from teleop.assist.step import Situation
+from teleop.assist.task import RobotView
 from teleop.body.tracker import BodyTracker, TrackerState
 from teleop.config import TeleopConfig
 from teleop.control import Control
 from teleop.frames import DepthFrame
 from teleop.hands.reader import read_hands
 from teleop.inputs import Inputs, RobotRequest
-from teleop.intent import Circumstances, HandReader, IntentState, interpret
-from teleop.intent_types import Event, Intent
-from teleop.kernel import KernelState, Moment, step_kernel
+from teleop.intent import Circumstances, HandReader, IntentState, interpret, settled_hands
+from teleop.intent_types import Event, Intent, Mode
+from teleop.kernel import KernelState, Moment, step_between, step_kernel, swapped
 from teleop.reasons import Reason
 from teleop.safety import StreamState, no_picture, step_stream
 from teleop.skeleton import Track
@@ -118,10 +120,39 @@ class Pipeline:
         intent, after = interpret(None, None, state.intent, inputs, now, self.intent)
         return intent, replace(state, intent=after)
 
-    def decide(
-        self, intent: Intent, state: PipelineState, inputs: Inputs = Inputs()
+    def between(
+        self,
+        command: RobotCommand,
+        state: PipelineState,
+        inputs: Inputs,
+        mode: Mode,
+        *,
+        still: Reason | None,
+        stopped: Reason | None,
+        robot: RobotView | None,
     ) -> tuple[RobotCommand, PipelineState]:
-        """What the robot is told: limited, or held with a reason."""
+        """A step without a frame: requests and the assisted pick, over the command that stands.
+
+        mode: as it stands. still: why the operator cannot be followed now. stopped: why the robot must not move.
+        """
+        hands, sight = settled_hands(state.intent), state.intent.sight
+        left_handed = self.intent.mapping.handedness == "left"
+        now = Situation(
+            command.t_ns,
+            mode,
+            swapped(hands) if left_handed else hands,
+            sight.body if sight.seen_now else None,
+            still=still,
+            stopped=stopped,
+            manual=inputs.request is not None,
+        )
+        command, kernel = step_between(command, state.kernel, now, inputs.request, inputs.picks, robot, self.intent)
+        return command, replace(state, kernel=kernel)
+
+    def decide(
+        self, intent: Intent, state: PipelineState, inputs: Inputs = Inputs(), robot: RobotView | None = None
+    ) -> tuple[RobotCommand, PipelineState]:
+        """What the robot is told: limited, or held with a reason. robot: for the assisted pick."""
         sight = state.intent.sight
         moment = Moment(
             body=sight.body if sight.seen_now else None,
@@ -129,6 +160,7 @@ class Pipeline:
             zone_settled=state.intent.zone.settled,
             estop=state.intent.control.estop,
             head_camera_sweep=state.intent.task.head_camera_sweep,
+            robot=robot,
         )
-        command, kernel = step_kernel(intent, moment, state.kernel, inputs.request, self.intent)
+        command, kernel = step_kernel(intent, moment, state.kernel, inputs.request, self.intent, inputs.picks)
         return command, replace(state, kernel=kernel)

@@ -7,7 +7,7 @@ class Reason(StrEnum):
     """Codes as they appear in intent, command, events, recordings and the console.
 
     hold.*: the robot keeps its place for now. stop.*: everything stands still. refused.*: an input was not used.
-    limit.*: a value was used after being changed. mode.*: why the mode changed.
+    limit.*: a value was used after being changed. mode.*: why the mode changed. assist.*: the assisted pick.
     """
 
     # hold: resumes by itself
@@ -26,6 +26,10 @@ class Reason(StrEnum):
     DISC_TURNING = "hold.disc_turning"
     NOT_ENGAGED = "hold.not_engaged"
     NO_FRAME_HOLD = "hold.no_frame"
+
+    ASSIST_AIMING = "hold.assist_aiming"
+    ASSIST_PREVIEW = "hold.assist_preview"
+    ASSIST_CLOSE_HANDS = "hold.assist_close_hands"
 
     # stop
     ESTOP = "stop.estop"
@@ -51,10 +55,27 @@ class Reason(StrEnum):
     REQUEST_ENGAGED = "refused.request_operator_engaged"
     REQUEST_ESTOP = "refused.request_estop"
 
+    ASSIST_NO_ROBOT = "refused.assist_no_robot"
+    ASSIST_NOT_PICKING = "refused.assist_not_picking"
+    ASSIST_BUSY = "refused.assist_busy"
+
     # limit
     SHOULDER_RANGE = "limit.shoulder_range"
     ELBOW_RANGE = "limit.elbow_range"
     EASE_IN = "limit.ease_in"
+
+    # the assisted pick: what it does, and why it ended
+    ASSIST_RUNNING = "assist.running"
+    ASSIST_DONE = "assist.done"
+    ASSIST_HAND_OPENED = "assist.hand_opened"
+    ASSIST_HANDS_UNKNOWN = "assist.hands_unknown"
+    ASSIST_LEFT = "assist.left_picking"
+    ASSIST_OPERATOR = "assist.operator_engaged"
+    ASSIST_REQUEST = "assist.request"
+    ASSIST_CANCELLED = "assist.cancelled"
+    ASSIST_REPLACED = "assist.replaced"
+    ASSIST_DECLINED = "assist.declined"
+    ASSIST_TIMEOUT = "assist.timeout"
 
     # why a mode changed
     PERSON_SEEN = "mode.person_seen"

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from robot_sim.commands import RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.metrics import RunMetrics
+from robot_sim.plants import Fruit
 from robot_sim.primitives import Primitive
 from robot_sim.state import RobotState
 
@@ -31,6 +32,10 @@ class RobotLink(Protocol):
 
     def scenery(self) -> tuple[Primitive, ...]:
         """What surrounds the robot, as far as the link knows."""
+
+    @property
+    def fruits(self) -> tuple[Fruit, ...]:
+        """All fruit as it grew, as far as the link knows; a real robot needs somebody who sees it."""
 
     def step(self, command: RobotCommand, dt_s: float) -> RobotState:
         """Follow a command for ``dt_s`` seconds and report."""

@@ -27,6 +27,7 @@ from robot_sim.link.servo_protocol import (
     joint_position,
 )
 from robot_sim.metrics import RunMetrics, moved_on
+from robot_sim.plants import Fruit
 from robot_sim.primitives import Primitive
 from robot_sim.reasons import RobotReason
 from robot_sim.spray import LIQUIDS
@@ -72,6 +73,11 @@ class SerialRobot:
 
     def scenery(self) -> tuple[Primitive, ...]:
         """Nothing is known of the surroundings."""
+        return ()
+
+    @property
+    def fruits(self) -> tuple[Fruit, ...]:
+        """Nobody sees the crop."""
         return ()
 
     def step(self, command: RobotCommand, dt_s: float) -> RobotState:

@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from robot_sim.config import RobotSection
 from robot_sim.errors import RobotError
 from robot_sim.kinematics.transforms import FloatArray
 from robot_sim.planner.scene import Scene
+from robot_sim.section import RobotSection
 
 
 class FieldConfig(RobotSection):

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robot_sim.kinematics.transforms import FloatArray
-from robot_sim.planner.shapes import Solid, nearest_points
+from robot_sim.planner.shapes import Solid, least_gap, nearest_points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +32,14 @@ class Scene:
         d, normals = np.empty((k, n)), np.empty((k, n, 3))
         nearest_points(self._kinds, self._T, self._sizes, np.ascontiguousarray(points_m), d, normals)
         return d, normals
+
+    def gap(self, points_m: FloatArray, radii_m: FloatArray, far_m: float = np.inf) -> float:
+        """Smallest distance between balls (N, 3), radii (N,), and the solids; negative where they overlap.
+
+        far_m: nothing further away than this matters, which is much quicker.
+        """
+        points, radii = np.ascontiguousarray(points_m), np.ascontiguousarray(radii_m, np.float64)
+        return float(least_gap(self._kinds, self._T, self._sizes, points, radii, far_m))
 
     def clearance(self, positions_m: FloatArray, offsets_m: FloatArray, radii_m: FloatArray) -> FloatArray:
         """Least distance (M,) between the solids and the body at positions (M, 3).

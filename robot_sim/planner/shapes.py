@@ -77,6 +77,48 @@ def nearest_points(
             n[k, i, 2] = R[2, 0] * n0 + R[2, 1] * n1 + R[2, 2] * n2
 
 
+@njit(cache=True, nogil=True)
+def _distance(kind: int, T: np.ndarray, size: np.ndarray, x: float, y: float, z: float) -> float:
+    """Signed distance of one point to one solid, as ``nearest_points`` has it."""
+    x, y, z = x - T[0, 3], y - T[1, 3], z - T[2, 3]
+    if kind == 0:
+        return math.sqrt(x * x + y * y + z * z) - size[0]
+    p0 = T[0, 0] * x + T[1, 0] * y + T[2, 0] * z
+    p1 = T[0, 1] * x + T[1, 1] * y + T[2, 1] * z
+    p2 = T[0, 2] * x + T[1, 2] * y + T[2, 2] * z
+    if kind == 1:
+        side, cap = math.hypot(p0, p1) - size[0], abs(p2) - size[1]
+        return math.hypot(side, cap) if side > 0 and cap > 0 else max(side, cap)
+    e0, e1, e2 = abs(p0) - size[0], abs(p1) - size[1], abs(p2) - size[2]
+    o0, o1, o2 = max(e0, 0.0), max(e1, 0.0), max(e2, 0.0)
+    outside = math.sqrt(o0 * o0 + o1 * o1 + o2 * o2)
+    return outside if outside > 0 else max(e0, max(e1, e2))
+
+
+@njit(cache=True, nogil=True)
+def least_gap(
+    kinds: np.ndarray, T: np.ndarray, sizes: np.ndarray, points: np.ndarray, radii: np.ndarray, far: float
+) -> float:
+    """Smallest signed distance between balls (N, 3), (N,) and K solids, or ``far`` when nothing is nearer."""
+    best = far
+    for k in range(len(kinds)):
+        s = sizes[k]
+        if kinds[k] == 0:
+            bound = s[0]
+        elif kinds[k] == 1:
+            bound = math.hypot(s[0], s[1])
+        else:
+            bound = math.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+        for i in range(len(points)):
+            x, y, z = points[i, 0] - T[k, 0, 3], points[i, 1] - T[k, 1, 3], points[i, 2] - T[k, 2, 3]
+            # the ball round the solid cannot be nearer than the best so far
+            reach = best + radii[i] + bound
+            if reach <= 0.0 or x * x + y * y + z * z >= reach * reach:
+                continue
+            best = min(best, _distance(kinds[k], T[k], s, points[i, 0], points[i, 1], points[i, 2]) - radii[i])
+    return best
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid(ABC):
     """A solid with pose T (4, 4) of its own frame in the world (or in a link), metres."""

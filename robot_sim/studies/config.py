@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from robot_sim.config import RobotSection
+from robot_sim.section import RobotSection
 
 
 class TomatoStudyConfig(RobotSection):

@@ -151,6 +151,7 @@ class RecordedStep:
             inputs.estop_reset,
             inputs.request or RobotRequest(),
             speeds_until_s=math.inf,
+            picks=inputs.picks,
         )
         if self.frame_t_ns is None or frame is None:
             return core.on_silence(inputs.source_failed, self.speed)

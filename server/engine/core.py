@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from robot_sim.commands import RobotCommand, stop_command
 from robot_sim.link.robot_link import RobotLink
+from robot_sim.pick.plan import Scenery
+from robot_sim.pick.surroundings import hard
 from robot_sim.state import RobotState
 from server.engine.filter_delay import filter_delay_s
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
 from server.engine.pending import Pending
 from server.settings import Settings
+from teleop.assist.step import AssistState
+from teleop.assist.task import RobotView
 from teleop.body.tracker import BodyTracker
 from teleop.frames import DepthFrame
-from teleop.inputs import Inputs
+from teleop.inputs import Inputs, PickAsk
 from teleop.intent_types import Event, Mode
-from teleop.kernel import apply_request
+from teleop.modes import IN_CONTROL
 from teleop.onsets import Onsets, step_onsets
 from teleop.pipeline import Pipeline, PipelineOutput
 from teleop.reasons import Reason
@@ -56,6 +60,7 @@ class Moment:
     fresh: bool
     told: StepContext
     recorded: RecordedPose | None = None
+    assist: AssistState = field(default_factory=AssistState)
 
 
 class Core:
@@ -83,6 +88,13 @@ class Core:
         self._silence: tuple[str, ...] = ()
         self._onsets = Onsets()
         self._reset_due = False
+        self._scenery = Scenery(hard(world.scenery()), world.fruits)
+        self._robot = world.state()
+
+    @property
+    def assist(self) -> AssistState:
+        """The assisted pick as it stands."""
+        return self._state.kernel.assist
 
     def configure(self, settings: Settings) -> None:
         """Take a new configuration over. Perception and intent begin anew; a latched e-stop stays."""
@@ -102,9 +114,9 @@ class Core:
     def restart_robot(self) -> None:
         """The robot and its greenhouse begin from their start, now; the operator must engage again."""
         latched = self.world.state().estop
-        self.world.reset()
+        self._robot = self.world.reset()
         if latched:
-            self.world.estop()
+            self._robot = self.world.estop()
         self._forget()
 
     def _forget(self) -> None:
@@ -114,12 +126,12 @@ class Core:
 
     def estop(self) -> None:
         """Stop the robot now; the pipeline learns it at its next step."""
-        self.world.estop()
+        self._robot = self.world.estop()
         self.pending.estop, self.pending.estop_reset = True, False
 
     def estop_reset(self) -> None:
         """Release the latch; the operator must engage again."""
-        self.world.estop_reset()
+        self._robot = self.world.estop_reset()
         self.pending.estop_reset = True
 
     def on_frame(self, arrived: Arrived, live: bool, speed: float) -> Moment:
@@ -130,7 +142,7 @@ class Core:
         if self._reset_due:
             self._start_robot(told)
         elif arrived.restarted and self._settings.engine.reset_robot_on_loop and not told.estop:
-            self.world.reset()
+            self._robot = self.world.reset()
         mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
         if arrived.in_control and mode is Mode.SEEN:
             self.pending.engage = True  # so the robot eases to the operator of a session entered in its middle
@@ -153,6 +165,7 @@ class Core:
             fresh=True,
             told=told,
             recorded=arrived.recorded,
+            assist=self.assist,
         )
         return self._last
 
@@ -174,27 +187,50 @@ class Core:
             reason = Reason.SOURCE_FAILED if source_failed else Reason.NO_FRAME_STOP
             command = RobotCommand(t_ns=self._t_ns, reasons=(reason,))
         events = self._silence_events(command)
-        request = None
+        request, picks = None, tuple[PickAsk, ...]()
         if not events:
-            # told to stand still once; from the next step on a request may move the lift or the disc
+            # told to stand still once; from the next step on a request may move the robot
             command = replace(command, stand_still=False)
-            request = self.pending.take_request(now_s)
+            request, picks = self.pending.take_request(now_s), self.pending.take_picks()
         missing = source_failed or self._watched(now_s) is not None
-        inputs = replace(stop, engage=self.pending.engage and missing, request=request, source_failed=source_failed)
+        inputs = replace(
+            stop, engage=self.pending.engage and missing, request=request, picks=picks, source_failed=source_failed
+        )
         self.pending.engage = self.pending.engage and not missing
-        events = (*events, *stopped)
+        command = self._between(command, inputs)
+        events = (*events, *stopped, *self._state.kernel.events)
         if inputs.engage:
             events = (*events, Event(self._t_ns, "refused", Reason.ENGAGE_NO_PERSON))
-        if inputs.request is not None:
-            command, refusal = self._apply(command, inputs)
-            if refusal is not None:
-                command = replace(command, reasons=(*command.reasons, refusal))
-                events = (*events, Event(self._t_ns, "refused", refusal))
         robot = self._move(command, told)
         events = self._told(events, command, robot, now_s)
         frame, output, received_s = (last.frame, last.output, last.received_s) if last else (None, None, None)
         recorded = last.recorded if last else None
-        return Moment(frame, output, command, robot, inputs, events, received_s, False, told, recorded)
+        return Moment(
+            frame, output, command, robot, inputs, events, received_s, False, told, recorded, assist=self.assist
+        )
+
+    def _between(self, command: RobotCommand, inputs: Inputs) -> RobotCommand:
+        """Requests and the assisted pick over the command that stands while no frame comes."""
+        picking = self.assist.active is not None
+        mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
+        silent = next((code for code in command.reasons if code in _SILENT), None)
+        still = stopped = None
+        if self.world.state().estop:
+            stopped = Reason.ESTOP
+        elif mode is Mode.STOPPED:
+            stopped = Reason.BODY_STOP
+        elif mode in IN_CONTROL and silent == Reason.NO_FRAME_HOLD:
+            still = Reason.NO_FRAME_HOLD
+        elif mode in IN_CONTROL and silent is not None:
+            stopped = Reason(silent)
+        command, self._state = self._pipeline.between(
+            command, self._state, inputs, mode, still=still, stopped=stopped, robot=self._view
+        )
+        if picking and self._last is not None:
+            # what a pick asked for counts for one step only
+            held = replace(command, drive_m_s=0.0, right_arm=None, left_arm=None, lift_m=None, stand_still=False)
+            self._last = replace(self._last, command=replace(held, reasons=self._last.command.reasons))
+        return command
 
     @property
     def _t_ns(self) -> int:
@@ -205,7 +241,7 @@ class Core:
         track, state = self._pipeline.perceive(frame, self._state, inputs)
         tracked_s = self._clock()
         intent, state = self._pipeline.interpret(frame, track, state, inputs)
-        command, state = self._pipeline.decide(intent, state, inputs)
+        command, state = self._pipeline.decide(intent, state, inputs, self._view)
         self._state = state
         self._ledger.add("tracking", tracked_s - begin_s)
         self._ledger.add("intent", self._clock() - tracked_s)
@@ -246,20 +282,15 @@ class Core:
             self._last = replace(last, output=replace(last.output, intent=shown), command=void)
         return intent.events
 
-    def _apply(self, command: RobotCommand, inputs: Inputs) -> tuple[RobotCommand, Reason | None]:
-        mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
-        assert inputs.request is not None
-        command, kernel, refusal = apply_request(
-            command, inputs.request, self._state.kernel, mode, self.world.state().estop, self._pipeline.intent
-        )
-        self._state = replace(self._state, kernel=kernel)
-        disc_rad = command.disc_rad if inputs.request.disc_rad is None or refusal else inputs.request.disc_rad
-        return replace(command, disc_rad=disc_rad), refusal
+    @property
+    def _view(self) -> RobotView:
+        """What the assisted pick knows of the robot."""
+        return RobotView(self._robot, self.world.config, self._scenery)
 
     def _start_robot(self, told: StepContext) -> None:
-        self.world.reset()
+        self._robot = self.world.reset()
         if told.estop:
-            self.world.estop()
+            self._robot = self.world.estop()
             self.pending.estop = True  # what began anew must learn it again
         self._state = self._pipeline.initial_state()
         self._stepped_s, self._silence, self._reset_due = told.now_s, (), False
@@ -270,9 +301,9 @@ class Core:
         dt_s = min((told.now_s - self._stepped_s) * told.speed, self._settings.engine.max_step_s)
         self._stepped_s = told.now_s
         begin_s = self._clock()
-        robot = self.world.step(command, dt_s)
+        self._robot = self.world.step(command, dt_s)
         self._ledger.add("simulation", self._clock() - begin_s)
-        return robot
+        return self._robot
 
 
 _SILENT = frozenset({Reason.NO_FRAME_HOLD, Reason.NO_FRAME_STOP, Reason.SOURCE_FAILED})

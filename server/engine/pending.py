@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 
-from teleop.inputs import Inputs, RobotRequest
+from teleop.inputs import Inputs, PickAsk, RobotRequest
 
 _SPEEDS = ("drive_m_s", "turn_rad_s")
 
@@ -19,6 +19,7 @@ class Pending:
     estop_reset: bool = False
     request: RobotRequest = field(default_factory=RobotRequest)
     speeds_until_s: float = 0.0
+    picks: tuple[PickAsk, ...] = ()
 
     def ask(self, request: RobotRequest, speeds_until_s: float) -> None:
         """Lay a request over those that wait; its speeds are repeated until then, everything else counts once."""
@@ -34,6 +35,7 @@ class Pending:
             engage=self.engage,
             disengage=self.disengage,
             request=self.take_request(now_s),
+            picks=self.take_picks(),
             receive_t_ns=receive_t_ns,
         )
         self.engage = self.disengage = False
@@ -44,6 +46,11 @@ class Pending:
         stop = Inputs(estop=self.estop, estop_reset=self.estop_reset and not self.estop)
         self.estop, self.estop_reset = False, self.estop and self.estop_reset
         return stop
+
+    def take_picks(self) -> tuple[PickAsk, ...]:
+        """What is asked of the assisted pick, in order."""
+        picks, self.picks = self.picks, ()
+        return picks
 
     def take_request(self, now_s: float) -> RobotRequest | None:
         """What is asked of the robot now; keeps only speeds that are still wanted."""

@@ -10,6 +10,7 @@ from typing import Annotated, Literal, Self
 from annotated_types import Len
 from pydantic import Field, model_validator
 
+from teleop.config.assist import AssistConfig
 from teleop.config.base import Section
 
 
@@ -337,3 +338,4 @@ class IntentConfig(Section):
     mapping: MappingConfig = Field(default_factory=MappingConfig)
     drive: DriveConfig = Field(default_factory=DriveConfig)
     safety: SafetyConfig = Field(default_factory=SafetyConfig)
+    assist: AssistConfig = Field(default_factory=AssistConfig)

@@ -1,0 +1,1 @@
+"""Assisted picking: which fruit, how to stand, the way of both arms there and to the box; pure planning."""
