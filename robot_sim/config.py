@@ -159,7 +159,9 @@ class ToolConfig(RobotSection):
     box_kg: float = Field(
         default=0.55, ge=0.05, le=5.0, description="fruit box, 3 mm polypropylene sheet (0.19 m2 at 905 kg/m3) [kg]"
     )
-    bruise_n: float = Field(default=60.0, ge=1.0, le=1000.0, description="contact force that damages fruit [N]")
+    bruise_n: float = Field(
+        default=80.0, ge=1.0, le=1000.0, description="contact force that damages a cucumber [N]; choice: a firm squeeze"
+    )
     peduncle_n: float = Field(default=40.0, ge=1.0, le=500.0, description="pull at which a peduncle tears [N]")
 
 

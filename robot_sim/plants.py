@@ -25,8 +25,9 @@ GRAPE_UNRIPE: Rgba = (0.55, 0.66, 0.33, 1.0)
 YOUNG_CUCUMBER: Rgba = (0.50, 0.68, 0.30, 1.0)
 MILDEW: tuple[Rgba, ...] = ((0.62, 0.63, 0.40, 1.0), (0.70, 0.68, 0.48, 1.0), (0.55, 0.57, 0.33, 1.0))
 """Leaves of a plant with powdery mildew: pale and yellowish."""
-TOUGHNESS: dict[Crop, float] = {"cucumber": 1.0, "tomato": 0.5, "grape": 0.35}
-"""Share of ToolConfig.bruise_n that damages a fruit; choice: soft berries bruise first."""
+TOUGHNESS: dict[Crop, float] = {"cucumber": 1.0, "tomato": 0.6, "grape": 0.55}
+"""Share of ToolConfig.bruise_n that damages a fruit; choice: berries bruise first, but a bunch that is rigid here lands
+on one of them where a real one lands on several."""
 
 FRUIT_KG_M3 = 950.0
 """Cucumbers and tomatoes are nearly all water, and float."""

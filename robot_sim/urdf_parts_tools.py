@@ -31,7 +31,9 @@ BOX_MIDDLE_M: Vec3 = (
 BOX_RPY: Vec3 = (0.0, BOX_PITCH_RAD, 0.0)
 """Turn of the box in the forearm's axes."""
 SOFT_XML = '<stiffness value="3000"/><damping value="40"/>'
-"""Foam that lines the box and the fingers' pads [N/m, Ns/m]: 15 mm of soft polyurethane give 5 mm under a 14 N grip."""
+"""Foam on the fingers' pads [N/m, Ns/m]: 15 mm of soft polyurethane give 5 mm under a 14 N grip."""
+LINING_XML = '<stiffness value="1500"/><damping value="10"/>'
+"""Foam that lines the box: twice as thick, open-pored, so that a bunch that falls 6 cm is not bruised."""
 CUPPED_XML = '<stiffness value="1200"/><damping value="30"/>'
 """The soft gripper's silicone [N/m, Ns/m]."""
 CUT_MIDDLE_M: Vec3 = (0.055, 0.0, -0.100)
@@ -107,7 +109,7 @@ def fruit_box(config: RobotConfig) -> list[Link | Joint]:
         extent_m=BOX_SIZE_M,
         visuals=(*walls, *rim),
         collisions=hull,
-        contact_xml=SOFT_XML,
+        contact_xml=LINING_XML,
     )
     hand = Link(
         "left_tool",

@@ -32,6 +32,7 @@ from server.api import (
     runs,
     sessions,
     stream,
+    tasks,
 )
 from server.api.guard import Guard
 from server.engine.engine import Engine
@@ -41,6 +42,7 @@ from server.loop_lag import LoopLag
 from server.reload import Read
 from server.settings import Settings
 from server.stream.hub import Hub
+from teleop.reasons import Reason
 from teleop.software import software_version
 
 CONSOLE = Path(__file__).resolve().parent / "console"
@@ -67,7 +69,8 @@ def create_app(
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         hub.bind(asyncio.get_running_loop())
         desk.changed = lambda: hub.tell_each(lambda caller: desk.access(caller).model_dump_json())
-        desk.taken = lambda: _disengage(engine)
+        desk.taken = lambda: _let_go(engine)
+        desk.lost = lambda: engine.end_picks(Reason.ASSIST_LEASE)
         watching = [asyncio.create_task(work) for work in (_watch(desk), lag.watch())]
         yield
         for task in watching:
@@ -95,6 +98,7 @@ def create_app(
         config,
         operators,
         operate,
+        tasks,
         runs,
         replay,
         recordings,
@@ -123,8 +127,10 @@ def create_app(
     return app
 
 
-def _disengage(engine: Engine) -> None:
+def _let_go(engine: Engine) -> None:
+    """Somebody else commands from now on: nobody is engaged, and what was begun ends."""
     engine.engage(False)
+    engine.end_picks(Reason.ASSIST_LEASE)
 
 
 async def _watch(desk: Desk) -> None:

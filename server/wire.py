@@ -39,6 +39,11 @@ Mode = TypeAliasType(
 )
 Hand = TypeAliasType("Hand", Literal["open", "fist", "unknown"])
 Liquid = TypeAliasType("Liquid", Literal["water", "nutrient", "pesticide"])
+TaskStatus = TypeAliasType(
+    "TaskStatus",
+    Literal["preview", "running", "succeeded", "failed", "refused", "cancelled", "taken_over"],
+)
+TaskStage = TypeAliasType("TaskStage", Literal["align", "approach", "clamp", "hold", "cut", "retreat", "box"])
 RoleName = TypeAliasType("RoleName", Literal["viewer", "operator", "supervisor"])
 ImageChoice = TypeAliasType("ImageChoice", Literal["depth", "color", "none"])
 
@@ -84,6 +89,17 @@ class SceneryItem(Message):
     rgba: Vec4
 
 
+class FruitInfo(Message):
+    """A fruit that can be picked, as it grew: middle in the world frame, radius of a ball about it [m]. Its pieces of
+    scenery are named after it."""
+
+    name: str
+    crop: Literal["cucumber", "tomato", "grape"]
+    ripe: bool
+    xyz_m: Vec3
+    radius_m: float
+
+
 class ArmJoints(Message):
     """URDF joint names of one arm."""
 
@@ -111,6 +127,7 @@ class Hello(Message):
     disc_range_rad: Vec2
     full_tank_l: float
     scenery: tuple[SceneryItem, ...]
+    fruits: tuple[FruitInfo, ...] = ()
     boot: str = ""
     """Differs from one start of the server to the next; with the id of the last event it resumes a stream."""
     missed_events: int = 0
@@ -264,6 +281,54 @@ class Ghost(Message):
     joints: dict[str, float]
 
 
+class TaskState(Message):
+    """One assisted pick. Times are Unix times [s].
+
+    status: preview (planned, waits to be confirmed) and running are under way; succeeded, failed, refused, cancelled
+    and taken_over are ends. stage: null before it runs. attended: an operator is in control, confirms with the left
+    fist and keeps both hands closed. reason: code of the end; detail: what happened and what to do. forward_m: the
+    drive that would bring the fruit into reach; drive_m: the one that is planned.
+    """
+
+    id: str
+    kind: Literal["pick"] = "pick"
+    fruit: str
+    ripe: bool = True
+    status: TaskStatus
+    stage: TaskStage | None = None
+    progress: float = Field(0.0, ge=0.0, le=1.0)
+    attended: bool = False
+    confirmed: bool = False
+    reason: str = ""
+    detail: str = ""
+    drive_m: float | None = None
+    forward_m: float | None = None
+    created: float = 0.0
+    started: float | None = None
+    ended: float | None = None
+
+
+class AimState(Message):
+    """The operator points at a fruit (null: at none); progress 0..1 of the time that opens its preview."""
+
+    fruit: str | None
+    progress: float
+
+
+class TaskPreview(Message):
+    """Where an assisted pick will go: the grip point's way to the fruit, and from there to the box, in the world [m].
+
+    Empty when nothing is planned. A newer one replaces an older one in the send queue. drive_m: the chassis first.
+    """
+
+    type: Literal["preview"] = "preview"
+    task: str = ""
+    fruit: str = ""
+    drive_m: float = 0.0
+    to_fruit: tuple[Vec3, ...] = ()
+    to_box: tuple[Vec3, ...] = ()
+
+
 class StageLatency(Message):
     """Milliseconds over the last few hundred frames."""
 
@@ -275,7 +340,8 @@ class StageLatency(Message):
 class State(Message):
     """One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s].
 
-    ghost: only while a recording plays that knows where the robot was.
+    ghost: only while a recording plays that knows where the robot was. task: the newest assisted pick. aim: only while
+    the operator points.
     """
 
     type: Literal["state"] = "state"
@@ -294,6 +360,8 @@ class State(Message):
     command: CommandState
     robot: RobotWire
     ghost: Ghost | None = None
+    task: TaskState | None = None
+    aim: AimState | None = None
     reasons: tuple[str, ...]
     latency_ms: dict[str, StageLatency]
     clients: int
@@ -352,5 +420,7 @@ class View(Message):
     parts: bool = False
 
 
-ServerMessage = Annotated[Hello | Access | State | EventMessage | Coverage | ErrorMessage, Field(discriminator="type")]
+ServerMessage = Annotated[
+    Hello | Access | State | EventMessage | Coverage | TaskPreview | ErrorMessage, Field(discriminator="type")
+]
 ClientMessage = Annotated[Painted | View, Field(discriminator="type")]

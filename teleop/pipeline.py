@@ -19,10 +19,12 @@ from teleop.hands.reader import read_hands
 from teleop.inputs import Inputs, RobotRequest
 from teleop.intent import Circumstances, HandReader, IntentState, interpret, settled_hands
 from teleop.intent_types import Event, Intent, Mode
-from teleop.kernel import KernelState, Moment, step_between, step_kernel, swapped
+from teleop.kernel import step_between, step_kernel
+from teleop.kernel_state import KernelState, Moment
 from teleop.reasons import Reason
 from teleop.safety import StreamState, no_picture, step_stream
 from teleop.skeleton import Track
+from teleop.work import swapped
 
 __all__ = ["Inputs", "Pipeline", "PipelineOutput", "PipelineState", "RobotRequest"]
 

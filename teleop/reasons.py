@@ -76,6 +76,8 @@ class Reason(StrEnum):
     ASSIST_REPLACED = "assist.replaced"
     ASSIST_DECLINED = "assist.declined"
     ASSIST_TIMEOUT = "assist.timeout"
+    ASSIST_RESTARTED = "assist.restarted"
+    ASSIST_LEASE = "assist.lease_lost"
 
     # why a mode changed
     PERSON_SEEN = "mode.person_seen"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import islice
@@ -20,7 +20,8 @@ from robot_sim.plants import Fruit
 from robot_sim.reasons import RobotReason
 from robot_sim.trajectories import Trajectory
 
-PLACES_TRIED = 40
+PLACES_TRIED, BY_TREE = 16, 2
+"""Places for the box that are tried with straight ways, and then with searched ones, which take longer."""
 SAMPLE_S = 0.04
 TUCKED_DEG = (-5.0, 0.0, 95.0)
 """C1, C2 and bend of the right arm drawn back."""
@@ -62,26 +63,27 @@ def motions(space: ArmSpace, grasp: Grasp, fruit: Fruit) -> Motions | Refusal:
     right = right_for(space, grip(space, at_fruit) - space.config.pick.approach_m * grasp.approach)
     if right is None or not free(at_fruit) or not free(before := np.append(right, q_now[3:])):
         return Refusal(RobotReason.PICK_NO_PATH, "other fruit or the plant is in the way; choose another fruit")
-    way = None
     hanging = carried(fruit, space.config)
-    for release in islice(_places(space, fruit, free), PLACES_TRIED):
-        ready, closed = (np.append(q, release.over[3:]) for q in (right, at_fruit[:3]))
-        if not free(ready) or (after := _after(space, ready, closed, release, hanging)) is None:
-            continue
-        # at best the box comes up while the right arm reaches out, else when that has arrived
-        both = straight(q_now, ready)
-        if space.along(both):
-            reach, close_in, found_by = both, hand_line(space, ready, closed), "straight"
-        else:
-            way = way or find_way(space, q_now, before, None)
-            if way is None:
-                return Refusal(RobotReason.PICK_NO_PATH, "no way leads there; lower both arms or choose another fruit")
-            reach, close_in, found_by = way.postures, hand_line(space, before, closed), way.found_by
-        if close_in is None or not all(free(q) for q in close_in):
-            continue
-        legs = {Leg.REACH: timed(reach, space.config), Leg.CLOSE_IN: timed(close_in, space.config)} | after
-        if _keep_clear(space, legs, {Leg.RETREAT: closed, Leg.LOWER: release.over}, hanging):
-            return Motions(legs, found_by)
+    places = list(islice(_places(space, fruit, hanging), PLACES_TRIED))
+    way = None
+    for search, some in ((False, places), (True, places[:BY_TREE])):
+        for release in some:
+            ready, closed = (np.append(q, release.over[3:]) for q in (right, at_fruit[:3]))
+            if not free(ready) or (after := _after(space, ready, closed, release, hanging, search)) is None:
+                continue
+            # at best the box comes up while the right arm reaches out, else when that has arrived
+            reach, close_in, found_by = straight(q_now, ready), hand_line(space, ready, closed), "straight"
+            if not all(free(q) for q in reach):
+                way = way or find_way(space, q_now, before, None)
+                if way is None:
+                    detail = "no way leads there; lower both arms or choose another fruit"
+                    return Refusal(RobotReason.PICK_NO_PATH, detail)
+                reach, close_in, found_by = way.postures, hand_line(space, before, closed), way.found_by
+            if close_in is None or not all(free(q) for q in close_in):
+                continue
+            legs = {Leg.REACH: timed(reach, space.config), Leg.CLOSE_IN: timed(close_in, space.config)} | after
+            if _keep_clear(space, legs, {Leg.RETREAT: closed, Leg.LOWER: release.over}, hanging):
+                return Motions(legs, found_by)
     return Refusal(RobotReason.PICK_NO_BOX, "there is no room for the box beside other fruit; choose another fruit")
 
 
@@ -94,18 +96,21 @@ def carried(fruit: Fruit, config: RobotConfig) -> Carried:
     return Carried(places, np.full(len(places), radius))
 
 
-def _places(space: ArmSpace, fruit: Fruit, free: Callable[[FloatArray], bool]) -> Iterator[Release]:
+def _places(space: ArmSpace, fruit: Fruit, hanging: Carried) -> Iterator[Release]:
     """Places for the box that are free of plants, the nearest to the mast first."""
     below = under_grip_m(fruit, space.config.pick.grip_under_top_m)
     for release in releases(below, space.config):
-        if free(release.over) and free(release.lowered):
+        if all((space.gaps(q, hanging) >= 0.0).all() for q in (release.over, release.lowered)):
             yield release
 
 
 def _after(
-    space: ArmSpace, ready: FloatArray, closed: FloatArray, release: Release, hanging: Carried
+    space: ArmSpace, ready: FloatArray, closed: FloatArray, release: Release, hanging: Carried, search: bool
 ) -> dict[Leg, Trajectory] | None:
-    """From the fruit back along the approach, over the box and into it; None where that is not free."""
+    """From the fruit back along the approach, over the box and into it; None where that is not free.
+
+    search: look for a way over the box where the straight one is not free.
+    """
     back = hand_line(space, closed, ready)
     lower = hand_line(space, release.over, release.lowered)
     if back is None or lower is None:
@@ -113,7 +118,7 @@ def _after(
     at_fruit = replace(space, start=closed)
     over = hand_line(space, ready, release.over)
     if over is None or not at_fruit.along(over, hanging):
-        way = find_way(at_fruit, ready, release.over, hanging)
+        way = find_way(at_fruit, ready, release.over, hanging) if search else None
         if way is None:
             return None
         over = way.postures

@@ -12,12 +12,14 @@ import numpy as np
 from robot_sim.arm_angles import arm_joint_names
 from robot_sim.config import RobotConfig
 from robot_sim.kinematics.transforms import FloatArray
-from robot_sim.pick.arm_space import ArmSpace
+from robot_sim.pick.arm_space import ROUNDING_M, ArmSpace
 from robot_sim.pick.grasp import Grasp, grasps, grasps_here, grip_point_m
 from robot_sim.pick.motions import Leg, Motions, motions, tuck
 from robot_sim.pick.paths import grip
 from robot_sim.pick.refusal import Refusal
+from robot_sim.pick.release import releases
 from robot_sim.pick.surroundings import scene_around
+from robot_sim.planner import Scene, Sphere
 from robot_sim.plants import Fruit
 from robot_sim.primitives import Primitive
 from robot_sim.reasons import RobotReason
@@ -25,7 +27,7 @@ from robot_sim.stance import Stance, stance_of
 from robot_sim.state import RobotState
 from robot_sim.trajectories import Trajectory
 
-GRASPS_TRIED = 6
+GRASPS_TRIED = 3
 SHOWN = 24
 """Points of one line of the preview."""
 GRIPPERS = {"cucumber": "long", "tomato": "soft", "grape": "soft"}
@@ -105,7 +107,8 @@ def plan_pick(
     refusal = None
     for grasp in tried:
         space, away = space_at(grasp.stance), None
-        if not all(space_at(there).check()(q_now) for there in _on_the_way(stance, grasp)):
+        before = np.minimum(0.0, space_at(stance).gaps(q_now) - ROUNDING_M)
+        if any((space_at(there).gaps(q_now) < before).any() for there in _on_the_way(stance, grasp)):
             away = tuck(space_at(stance), q_now)
             if away is None:
                 refusal = Refusal(RobotReason.PICK_NO_PATH, "lower both arms, then ask again")
@@ -171,3 +174,11 @@ def _line(space: ArmSpace, stance: Stance, motions: Sequence[Trajectory]) -> Flo
     """The grip point along motions, in the world, as few points."""
     postures = np.concatenate([m.at(np.linspace(0.0, m.duration_s, SHOWN // len(motions))).q for m in motions])
     return stance.to_world(np.array([grip(space, q) for q in postures]), space.config)
+
+
+def warm_up(config: RobotConfig) -> None:
+    """Compile the kernels and lay out the places for the box, so that the first plan takes no longer than others."""
+    sphere = Sphere(np.eye(4), 0.1)
+    space = ArmSpace(config, Scene((sphere,)), np.zeros(3), np.zeros(6))
+    space.check()(np.zeros(6))
+    next(releases(0.13, config), None)

@@ -50,9 +50,13 @@ STAGES: tuple[Stage, ...] = tuple(Stage)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PickRun:
-    """One pick. leg, motion_s: the motion under way and how far it is [s]; stage_s: time in the stage; idle_s: time
-    without progress; last_s: the robot's clock at the last step. alignments: how often it placed itself. opened: the
-    gripper let go over the box. failure: why it ended early. done: it ended well."""
+    """One pick.
+
+    leg, motion_s: the motion under way and how far it is [s]. stage_s: time in the stage; idle_s: time without
+    progress; last_s: the robot's clock at the last step. parts_s: about how long every stage takes. alignments: how
+    often it placed itself. opened_s: when in the stage the gripper let go over the box. failure: why it ended early.
+    done: it ended well.
+    """
 
     plan: PickPlan
     last_s: float
@@ -61,8 +65,9 @@ class PickRun:
     motion_s: float = 0.0
     stage_s: float = 0.0
     idle_s: float = 0.0
+    parts_s: tuple[float, ...] = (1.0,) * len(STAGES)
     alignments: int = 1
-    opened: bool = False
+    opened_s: float | None = None
     failure: Refusal | None = None
     done: bool = False
 
@@ -72,15 +77,14 @@ class PickRun:
         return self.done or self.failure is not None
 
 
-def begin(plan: PickPlan, state: RobotState) -> PickRun:
+def begin(plan: PickPlan, state: RobotState, config: RobotConfig) -> PickRun:
     """A pick that starts now."""
-    return PickRun(plan, state.sim_time_s, leg=Leg.TUCK if Leg.TUCK in plan.motions else None)
-
-
-def needs_align(plan: PickPlan, state: RobotState, config: RobotConfig) -> bool:
-    """Whether chassis, lift or a tucked arm come first."""
-    moves = max(abs(plan.drive_m), abs(plan.stance.lift_m - state.joint_rad["lift"])) > config.pick.arrived_m
-    return moves or Leg.TUCK in plan.motions
+    return PickRun(
+        plan,
+        state.sim_time_s,
+        leg=Leg.TUCK if Leg.TUCK in plan.motions else None,
+        parts_s=_parts_s(plan, plan.stance.lift_m - state.joint_rad["lift"], config),
+    )
 
 
 def hold(run: PickRun, state: RobotState) -> PickRun:
@@ -101,7 +105,7 @@ def step(run: PickRun, scenery: Scenery, state: RobotState, config: RobotConfig)
         return _move(run, state, dt_s, command, config)
     if run.stage is Stage.CLAMP:
         return _clamp(run, state, config), command
-    if run.stage is Stage.BOX and run.opened:
+    if run.stage is Stage.BOX and run.opened_s is not None:
         return _let_go(run, state, dt_s, command, config)
     if not _held(run, state):
         return _failed(run, RobotReason.PICK_LOST, "the fruit slipped out of the gripper"), command
@@ -139,7 +143,7 @@ def _aligned(run: PickRun, scenery: Scenery, state: RobotState, config: RobotCon
     again = plan_pick(run.plan.fruit, scenery, state, config)
     if isinstance(again, Refusal) or run.alignments >= ALIGNMENTS:
         return replace(run, failure=found)
-    return replace(begin(again, state), alignments=run.alignments + 1)
+    return replace(begin(again, state, config), alignments=run.alignments + 1)
 
 
 def _clamp(run: PickRun, state: RobotState, config: RobotConfig) -> PickRun:
@@ -165,9 +169,11 @@ def _let_go(
     command = replace(command, gripper_open=True)
     if run.leg is not None:
         return _move(run, state, dt_s, command, config)
-    if _status(run, state).startswith("boxed") and run.stage_s > FALL_S:
+    assert run.opened_s is not None
+    open_s = run.stage_s - run.opened_s
+    if _status(run, state).startswith("boxed") and open_s > FALL_S:
         return replace(run, leg=Leg.LOWER, motion_s=0.0), command
-    if run.stage_s > config.pick.patience_s:
+    if open_s > config.pick.patience_s:
         run = _failed(run, RobotReason.PICK_NOT_BOXED, "the fruit is not in the box; look where it lies")
     return run, command
 
@@ -193,7 +199,7 @@ def _move(
 
 def _at(run: PickRun, motion: Trajectory, t_s: float) -> FloatArray:
     """Both arms at a time of a motion; the way out of the box is the way into it backwards."""
-    return motion.at(motion.duration_s - t_s if run.opened else t_s).q[0]
+    return motion.at(t_s if run.opened_s is None else motion.duration_s - t_s).q[0]
 
 
 def _arrived(run: PickRun) -> PickRun:
@@ -206,9 +212,9 @@ def _arrived(run: PickRun) -> PickRun:
         return _next(run, Stage.CLAMP, None)
     if run.leg is Leg.RETREAT:
         return _next(run, Stage.BOX, Leg.LOWER)
-    if run.opened:
+    if run.opened_s is not None:
         return replace(run, done=True)
-    return replace(run, leg=None, opened=True, stage_s=0.0, idle_s=0.0)
+    return replace(run, leg=None, opened_s=run.stage_s, idle_s=0.0)
 
 
 def _next(run: PickRun, stage: Stage, leg: Leg | None) -> PickRun:
@@ -236,25 +242,25 @@ def _held(run: PickRun, state: RobotState) -> bool:
     return _status(run, state).startswith("held")
 
 
-def progress(run: PickRun, config: RobotConfig) -> float:
+def progress(run: PickRun) -> float:
     """Share 0..1 of the pick that is done, by the time that each part takes."""
     if run.done:
         return 1.0
-    parts = _parts(run.plan, config)
-    whole = sum(parts.values())
-    before = sum(parts[stage] for stage in STAGES[: STAGES.index(run.stage)])
-    return min(0.99, (before + min(run.stage_s, parts[run.stage])) / whole)
+    k = STAGES.index(run.stage)
+    done_s = sum(run.parts_s[:k]) + min(run.stage_s, run.parts_s[k])
+    return min(0.99, done_s / sum(run.parts_s))
 
 
-def _parts(plan: PickPlan, config: RobotConfig) -> dict[Stage, float]:
-    """About how long every stage takes [s]."""
+def _parts_s(plan: PickPlan, rise_m: float, config: RobotConfig) -> tuple[float, ...]:
+    """About how long every stage takes [s], in the order of STAGES."""
     length = {leg: motion.duration_s for leg, motion in plan.motions.items()}
-    return {
-        Stage.ALIGN: length.get(Leg.TUCK, 0.0) + abs(plan.drive_m) / config.pick.drive_m_s + 0.01,
-        Stage.APPROACH: length[Leg.REACH] + length[Leg.CLOSE_IN],
-        Stage.CLAMP: JAW_S,
-        Stage.HOLD: config.pick.hold_s,
-        Stage.CUT: BLADE_S,
-        Stage.RETREAT: length[Leg.RETREAT],
-        Stage.BOX: 2.0 * length[Leg.LOWER] + FALL_S,
-    }
+    place_s = max(abs(plan.drive_m) / config.pick.drive_m_s, abs(rise_m) / config.body.lift.speed, 0.01)
+    return (
+        length.get(Leg.TUCK, 0.0) + place_s,
+        length[Leg.REACH] + length[Leg.CLOSE_IN],
+        JAW_S,
+        config.pick.hold_s,
+        BLADE_S,
+        length[Leg.RETREAT],
+        2.0 * length[Leg.LOWER] + FALL_S,
+    )

@@ -19,8 +19,10 @@ MOVED_M = 0.004
 """A hanging fruit that swings less than this is drawn where it was."""
 FLOOR_M = 0.12
 STIFF = 5.0
-FRUIT_N_M, FRUIT_NS_M = 2.0e4, 40.0
-"""A cucumber between two plates gives about 1 mm for 20 N, and swings no more than it bounces."""
+FRUIT_N_M = 2.0e4
+"""A cucumber between two plates gives about 1 mm for 20 N."""
+FRUIT_NS_M = {"cucumber": 40.0, "tomato": 10.0, "grape": 10.0}
+"""Damping of one contact: fruit swings no more than it bounces; a berry is a tenth of a cucumber."""
 
 
 class FruitStatus(StrEnum):
@@ -74,13 +76,17 @@ class Crops:
             self.detach(i)
         return parted
 
+    def press(self, contacts: Iterable[FruitContact]) -> None:
+        """What is pressed too hard in this tick is damaged; a blow lasts no longer."""
+        for contact in contacts:
+            if contact.force_n > self._tool.bruise_n * TOUGHNESS[self._fruits[contact.fruit].crop]:
+                self.damaged[contact.fruit] = True
+
     def observe(self, contacts: Iterable[FruitContact], fingers: tuple[int, int], box: LinkPose) -> None:
-        """Find out where every fruit is now, and what was pressed too hard."""
+        """Find out where every fruit is now."""
         touching: dict[int, set[int]] = {}
         for contact in contacts:
             touching.setdefault(contact.fruit, set()).add(contact.link)
-            if contact.force_n > self._tool.bruise_n * TOUGHNESS[self._fruits[contact.fruit].crop]:
-                self.damaged[contact.fruit] = True
         for i in touching:
             self._tear(i)
         for i, peg in enumerate(self._pegs):
@@ -185,7 +191,7 @@ def _body(client: Client, fruit: Fruit) -> int:
         angularDamping=0.9,
         linearDamping=0.2,
         contactStiffness=FRUIT_N_M,
-        contactDamping=FRUIT_NS_M,
+        contactDamping=FRUIT_NS_M[fruit.crop],
         activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
     )
     return int(body)

@@ -315,6 +315,7 @@ class World:
         self._driven = s.position if exact(servo) else driven(self._driven, s.position, servo)
         self._robot.follow(s, self._driven, left, right)
         self._client.stepSimulation()
+        self._crops.press(self._touched())
         closed = s.position[CUTTER] >= self.config.tool.cutter.upper
         if closed and not self._blades_closed:
             parted = self._crops.cut(self._robot.link_pose("right_tool"))
@@ -334,12 +335,15 @@ class World:
     def _flows(self) -> bool:
         return self._spray.tank_l[LIQUIDS.index(self._setpoints.liquid)] > 0.0
 
-    def _observe_fruit(self) -> None:
+    def _touched(self) -> list[FruitContact]:
+        """What the robot presses against of the fruit."""
         index = self._crops.index
         points = self._client.getContactPoints(self._robot.id)
-        contacts = [FruitContact(index[p[2]], p[3], p[9]) for p in points if p[2] in index and p[9] > 0.0]
+        return [FruitContact(index[p[2]], p[3], p[9]) for p in points if p[2] in index and p[9] > 0.0]
+
+    def _observe_fruit(self) -> None:
         fingers = (self._robot.links["gripper_left_link"], self._robot.links["gripper_right_link"])
-        self._crops.observe(contacts, fingers, self._robot.link_pose("left_box"))
+        self._crops.observe(self._touched(), fingers, self._robot.link_pose("left_box"))
 
     def _away_from_contacts(self, goals: Goals) -> tuple[Goals, bool]:
         points = self._client.getContactPoints(self._robot.id, self._obstacles)

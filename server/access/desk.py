@@ -41,7 +41,8 @@ Audit = Callable[[str, str], None]
 
 
 class Desk:
-    """One for an application. changed: called after each change of the lease. taken: called after a take-over."""
+    """One for an application. changed: called after each change of the lease. taken: called after a take-over.
+    lost: called when the holder is gone and the lease has lapsed."""
 
     def __init__(self, tokens: Tokens, config: AccessConfig, port: int, announce: Announce, audit: Audit) -> None:
         self.cookie_name = f"teleop_{port}"  # cookies know no port: two servers on one machine must not share one
@@ -49,6 +50,7 @@ class Desk:
         self.tokens = tokens
         self.changed: Callable[[], None] = lambda: None
         self.taken: Callable[[], None] = lambda: None
+        self.lost: Callable[[], None] = lambda: None
         self.refused: Counter[int] = Counter()
         self._announce = announce
         self._record = audit
@@ -202,7 +204,10 @@ class Desk:
         gone = [key for key, seen_s in self._seen.items() if now_s - seen_s > self.config.lease_idle_s]
         for key in gone:
             del self._seen[key]
+        before = self._lease.holder
         self._step(leases.watched(self._lease, frozenset(self._streams) | frozenset(self._seen), time.time()))
+        if before is not None and self._lease.holder is not before:
+            self.lost()
 
     def _step(self, step: tuple[Lease, tuple[Change, ...]]) -> None:
         before, (self._lease, changes) = self._lease, step

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from robot_sim.commands import ArmTarget
 from robot_sim.commands import Liquid as RobotLiquid
 from server.errors import Refused
-from server.wire import Liquid
+from server.wire import FruitInfo, Liquid
 from teleop.inputs import RobotRequest
 
 if TYPE_CHECKING:
@@ -93,6 +93,29 @@ class RobotAsk(BaseModel):
             for name in ("right_arm", "left_arm", "rear_arm")
         }
         return RobotRequest(**plain, **arms, liquid=RobotLiquid(self.liquid) if self.liquid else None)
+
+
+class PickOrder(BaseModel):
+    """Which fruit to pick, and whether to look at the path first."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{}, {"fruit": "cucumber_2_fruit_0", "preview": True}]}
+    )
+    fruit: str | None = Field(
+        None, min_length=1, max_length=80, description="name of a fruit (GET /fruits); null: the nearest ripe one"
+    )
+    preview: bool = Field(
+        False,
+        description="show the path and wait to be confirmed; while an operator is engaged it always waits for their "
+        "left fist",
+    )
+
+
+class FruitState(FruitInfo):
+    """A fruit and what became of it: hanging, held, loose, boxed or dropped; damaged when it is bruised."""
+
+    status: str
+    damaged: bool
 
 
 class ReplayState(BaseModel):

@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
 from server import wire
-from server.api.models import Health, Recording, ReplayState, SessionState
+from server.api.models import FruitState, Health, Recording, ReplayState, SessionState
 from server.client import calls
 from server.client.calls import Call
 from server.client.link import FIRST_RETRY_S, LONGEST_RETRY_S, NO_PICTURES, Link, StreamMessage
@@ -147,6 +147,38 @@ class AsyncTeleopClient:
     async def configure(self, patch: Mapping[str, Any]) -> dict[str, Any]:
         """Lay a partial tree over the settings."""
         return await self._do(calls.configure(patch))
+
+    # assisted picks
+
+    async def fruits(self) -> list[FruitState]:
+        """All fruit that the robot knows of, and what became of it."""
+        return await self._do(calls.FRUITS)
+
+    async def pick(self, fruit: str | None = None, *, preview: bool = False) -> wire.TaskState:
+        """Begin an assisted pick, of the nearest ripe fruit when none is named; a refused one says what to do."""
+        return await self._do(calls.pick(fruit, preview))
+
+    async def tasks(self) -> list[wire.TaskState]:
+        """Assisted picks, newest first."""
+        return await self._do(calls.TASKS)
+
+    async def task(self, task_id: str) -> wire.TaskState:
+        """One assisted pick as it stands."""
+        return await self._do(calls.task(task_id))
+
+    async def confirm(self, task_id: str) -> wire.TaskState:
+        """Let a previewed pick begin."""
+        return await self._do(calls.confirm_task(task_id))
+
+    async def cancel(self, task_id: str) -> wire.TaskState:
+        """End a pick; the robot stops where it is."""
+        return await self._do(calls.cancel_task(task_id))
+
+    async def ended(self, task_id: str, poll_s: float = 0.1) -> wire.TaskState:
+        """The pick, once it is over."""
+        while (task := await self.task(task_id)).ended is None:
+            await asyncio.sleep(poll_s)
+        return task
 
     # sessions and replay
 

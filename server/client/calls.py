@@ -10,7 +10,7 @@ import httpx
 from pydantic import TypeAdapter
 
 from server import wire
-from server.api.models import Health, Recording, ReplayState, RobotAsk, SessionState
+from server.api.models import FruitState, Health, Recording, ReplayState, RobotAsk, SessionState
 from server.client.show import Jpeg
 from server.errors import Refused
 from server.jobs import Job
@@ -54,6 +54,7 @@ def _nothing(_: httpx.Response) -> None:
 _STATE, _HEALTH, _ACCESS, _SESSION = _of(wire.State), _of(Health), _of(wire.Access), _of(SessionState)
 _REPLAY, _RECORDING, _JOB = _of(ReplayState), _of(Recording), _of(Job)
 _SESSIONS, _RECORDINGS, _JOBS = _of(list[SessionState]), _of(list[Recording]), _of(list[Job])
+_TASK, _TASKS, _FRUITS = _of(wire.TaskState), _of(list[wire.TaskState]), _of(list[FruitState])
 _TREE = _of(dict[str, Any])
 
 HEALTH = Call("GET", "/health", _HEALTH)
@@ -66,6 +67,8 @@ ESTOP_RESET = Call("POST", "/estop/reset", _nothing)
 CONFIG = Call("GET", "/config", _TREE)
 SESSIONS = Call("GET", "/sessions", _SESSIONS)
 RECORDINGS = Call("GET", "/recordings", _RECORDINGS)
+TASKS = Call("GET", "/tasks", _TASKS)
+FRUITS = Call("GET", "/fruits", _FRUITS)
 JOBS = Call("GET", "/jobs", _JOBS)
 URDF = Call("GET", "/robot/urdf", lambda response: response.text)
 HEAD = Call("GET", "/camera/head.jpg", lambda response: Jpeg(response.content))
@@ -79,6 +82,26 @@ def lease(action: str, to: str | None = None) -> Call[wire.Access]:
 def command(wanted: Mapping[str, Any]) -> Call[None]:
     """Raises ValidationError for what cannot be asked of the robot."""
     return Call("POST", "/robot/command", _nothing, RobotAsk.model_validate(wanted).model_dump(exclude_unset=True))
+
+
+def pick(fruit: str | None, preview: bool) -> Call[wire.TaskState]:
+    """Begin an assisted pick."""
+    return Call("POST", "/tasks/pick", _TASK, {"fruit": fruit, "preview": preview})
+
+
+def task(task_id: str) -> Call[wire.TaskState]:
+    """One task as it stands."""
+    return Call("GET", f"/tasks/{task_id}", _TASK)
+
+
+def confirm_task(task_id: str) -> Call[wire.TaskState]:
+    """Let a previewed pick begin."""
+    return Call("POST", f"/tasks/{task_id}/confirm", _TASK)
+
+
+def cancel_task(task_id: str) -> Call[wire.TaskState]:
+    """End a task."""
+    return Call("DELETE", f"/tasks/{task_id}", _TASK)
 
 
 def configure(patch: Mapping[str, Any]) -> Call[dict[str, Any]]:

@@ -15,7 +15,9 @@ from websockets.exceptions import ConnectionClosed
 from server import wire
 from server.errors import Refused, ServerError
 
-StreamMessage = wire.Hello | wire.Access | wire.State | wire.EventMessage | wire.Coverage | wire.ErrorMessage
+StreamMessage = (
+    wire.Hello | wire.Access | wire.State | wire.EventMessage | wire.Coverage | wire.TaskPreview | wire.ErrorMessage
+)
 _MESSAGE: TypeAdapter[Any] = TypeAdapter(wire.ServerMessage)
 NO_PICTURES = wire.View(image="none").model_dump_json()
 FIRST_RETRY_S, LONGEST_RETRY_S = 0.25, 3.0

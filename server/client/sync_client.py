@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from server import wire
-from server.api.models import Health, Recording, ReplayState, SessionState
+from server.api.models import FruitState, Health, Recording, ReplayState, SessionState
 from server.client import calls
 from server.client.calls import Call
 from server.client.link import FIRST_RETRY_S, LONGEST_RETRY_S, NO_PICTURES, Link, StreamMessage
@@ -144,6 +144,38 @@ class TeleopClient:
     def configure(self, patch: Mapping[str, Any]) -> dict[str, Any]:
         """Lay a partial tree over the settings."""
         return self._do(calls.configure(patch))
+
+    # assisted picks
+
+    def fruits(self) -> list[FruitState]:
+        """All fruit that the robot knows of, and what became of it."""
+        return self._do(calls.FRUITS)
+
+    def pick(self, fruit: str | None = None, *, preview: bool = False) -> wire.TaskState:
+        """Begin an assisted pick, of the nearest ripe fruit when none is named; a refused one says what to do."""
+        return self._do(calls.pick(fruit, preview))
+
+    def tasks(self) -> list[wire.TaskState]:
+        """Assisted picks, newest first."""
+        return self._do(calls.TASKS)
+
+    def task(self, task_id: str) -> wire.TaskState:
+        """One assisted pick as it stands."""
+        return self._do(calls.task(task_id))
+
+    def confirm(self, task_id: str) -> wire.TaskState:
+        """Let a previewed pick begin."""
+        return self._do(calls.confirm_task(task_id))
+
+    def cancel(self, task_id: str) -> wire.TaskState:
+        """End a pick; the robot stops where it is."""
+        return self._do(calls.cancel_task(task_id))
+
+    def ended(self, task_id: str, poll_s: float = 0.1) -> wire.TaskState:
+        """The pick, once it is over."""
+        while (task := self.task(task_id)).ended is None:
+            time.sleep(poll_s)
+        return task
 
     # sessions and replay
 

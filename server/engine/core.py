@@ -19,6 +19,7 @@ from server.settings import Settings
 from teleop.assist.step import AssistState
 from teleop.assist.task import RobotView
 from teleop.body.tracker import BodyTracker
+from teleop.config.assist import AssistConfig
 from teleop.frames import DepthFrame
 from teleop.inputs import Inputs, PickAsk
 from teleop.intent_types import Event, Mode
@@ -61,6 +62,7 @@ class Moment:
     told: StepContext
     recorded: RecordedPose | None = None
     assist: AssistState = field(default_factory=AssistState)
+    assist_config: AssistConfig = field(default_factory=AssistConfig)
 
 
 class Core:
@@ -121,7 +123,7 @@ class Core:
 
     def _forget(self) -> None:
         self._state = self._pipeline.initial_state()
-        self.pending = Pending(estop=self.world.state().estop)
+        self.pending = Pending(estop=self.world.state().estop, picks=self.pending.picks)
         self._last = self._received_s = None
 
     def estop(self) -> None:
@@ -166,6 +168,7 @@ class Core:
             told=told,
             recorded=arrived.recorded,
             assist=self.assist,
+            assist_config=self._pipeline.intent.assist,
         )
         return self._last
 
@@ -206,7 +209,18 @@ class Core:
         frame, output, received_s = (last.frame, last.output, last.received_s) if last else (None, None, None)
         recorded = last.recorded if last else None
         return Moment(
-            frame, output, command, robot, inputs, events, received_s, False, told, recorded, assist=self.assist
+            frame,
+            output,
+            command,
+            robot,
+            inputs,
+            events,
+            received_s,
+            fresh=False,
+            told=told,
+            recorded=recorded,
+            assist=self.assist,
+            assist_config=self._pipeline.intent.assist,
         )
 
     def _between(self, command: RobotCommand, inputs: Inputs) -> RobotCommand:

@@ -10,11 +10,12 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from robot_sim.commands import stop_command
 from robot_sim.link.robot_link import RobotLink
 from robot_sim.metrics import RunMetrics
+from robot_sim.pick.plan import warm_up
 from server import wire
 from server.engine.core import Core, Moment
 from server.engine.hello import hello
@@ -24,6 +25,7 @@ from server.engine.preview import encoded
 from server.engine.publisher import Publisher
 from server.engine.recording import SessionRecorder, describe
 from server.engine.session import Session, new_session
+from server.engine.tasks import Tasks
 from server.engine.ticks import Ticks
 from server.errors import Refused
 from server.images_wire import ImageKind
@@ -32,7 +34,8 @@ from server.stream.hub import Hub
 from teleop.body.tracker import BodyTracker
 from teleop.errors import TeleopError
 from teleop.frames import Camera
-from teleop.inputs import RobotRequest
+from teleop.inputs import PickAsk, RobotRequest
+from teleop.reasons import Reason
 from teleop.sources.base import Source
 
 T = TypeVar("T")
@@ -49,15 +52,20 @@ class Engine(threading.Thread):
         self.boot = uuid.uuid4().hex[:12]
         """Differs from one start of the server to the next."""
         self.ledger = Ledger(settings.engine.ledger_frames)
-        self.publisher = Publisher(hub, self.ledger, settings.stream)
+        self.tasks = Tasks(world.fruits)
+        self.publisher = Publisher(hub, self.ledger, settings.stream, self.tasks)
         self._settings = settings
         self._hub = hub
         self._tracker = tracker
         self._core = Core(tracker, world, settings, self.ledger)
         self._scenery = world.scenery()
+        self.fruits = world.fruits
+        """All fruit as it grew."""
+        warm_up(world.config)
         self._urdf = world.urdf
         self._mailbox = Mailbox()
         self._calls: deque[Callable[[], None]] = deque()
+        self._decided: list[Future[None]] = []
         self._session: Session | None = None
         self._sessions: deque[Session] = deque(maxlen=_KEPT_SESSIONS)
         self._switching = threading.Lock()
@@ -104,7 +112,7 @@ class Engine(threading.Thread):
         """The first message for a client."""
         session = self._session
         camera = session.info.camera if session else Camera()
-        return hello(self._settings, camera, self._scenery).model_copy(update={"boot": self.boot})
+        return hello(self._settings, camera, self._scenery, self.fruits).model_copy(update={"boot": self.boot})
 
     def call(self, work: Callable[[], T]) -> Future[T]:
         """Run something between two steps, on this thread, as soon as possible."""
@@ -197,6 +205,46 @@ class Engine(threading.Thread):
     def ask(self, request: RobotRequest, for_s: float) -> Future[None]:
         """Direct control; speeds are repeated for ``for_s`` seconds."""
         return self.call(lambda: self._core.pending.ask(request, time.monotonic() + for_s))
+
+    def pick(self, fruit: str | None, preview: bool) -> Future[tuple[wire.TaskState, bool]]:
+        """Begin an assisted pick: the task after the step that took it, and whether it is a new one.
+
+        While one for the same fruit (or, when none is named, for any) is under way, that one is given.
+        """
+        told: Future[tuple[wire.TaskState, bool]] = Future()
+
+        def work() -> None:
+            known = self.tasks.active(fruit)
+            if known is not None:
+                told.set_result((known, False))
+                return
+            ask = PickAsk(uuid.uuid4().hex[:12], fruit=fruit, preview=preview)
+            self.tasks.expect(ask.id).add_done_callback(lambda taken: told.set_result((taken.result(), True)))
+            self._core.pending.picks += (ask,)
+
+        self.call(work)
+        return told
+
+    def decide_pick(self, task_id: str, action: Literal["confirm", "cancel"]) -> Future[None]:
+        """Confirm a preview, or end a task that is under way; others are left as they are. Done after that step."""
+        told: Future[None] = Future()
+
+        def work() -> None:
+            self._core.pending.picks += (PickAsk(task_id, action),)
+            self._decided.append(told)
+
+        self.call(work)
+        return told
+
+    def end_picks(self, reason: Reason) -> None:
+        """End the task under way, if there is one: who asked for it is gone."""
+
+        def work() -> None:
+            task = self._core.assist.active
+            if task is not None and not task.attended:
+                self._core.pending.picks += (PickAsk(task.id, "cancel", reason=reason),)
+
+        self.call(work)
 
     def metrics(self) -> Future[RunMetrics]:
         """What the run has come to."""
@@ -291,6 +339,11 @@ class Engine(threading.Thread):
     def _publish(self, moment: Moment) -> None:
         session = self._session
         self._stepped_s = time.monotonic()
+        self.tasks.observe(moment.assist)
+        if not self._core.pending.picks:
+            decided, self._decided = self._decided, []
+            for told in decided:
+                told.set_result(None)
         self.publisher.publish(moment)
         if self.on_moment is not None:
             self.on_moment(moment)

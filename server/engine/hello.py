@@ -7,6 +7,7 @@ from itertools import accumulate
 from robot_sim.arm_angles import arm_joint_names
 from robot_sim.commands import ARM_NAMES
 from robot_sim.greenhouse import Primitive
+from robot_sim.plants import Fruit
 from server import wire
 from server.settings import Settings
 from teleop.frames import Camera
@@ -16,7 +17,7 @@ from teleop.software import software_version
 URDF_URL = "/api/v1/robot/urdf"
 
 
-def hello(settings: Settings, camera: Camera, scenery: tuple[Primitive, ...]) -> wire.Hello:
+def hello(settings: Settings, camera: Camera, scenery: tuple[Primitive, ...], fruits: tuple[Fruit, ...]) -> wire.Hello:
     """Zones as the threshold matrix gives them (source eq. 5), the robot's joints and ranges, the greenhouse."""
     intent, body = settings.teleop.effective_intent(), settings.robot.body
     zones, k = intent.zones, camera.depth
@@ -48,6 +49,14 @@ def hello(settings: Settings, camera: Camera, scenery: tuple[Primitive, ...]) ->
             wire.SceneryItem(name=p.name, kind=p.kind, size_m=p.size_m, xyz_m=p.xyz_m, rpy_rad=p.rpy_rad, rgba=p.rgba)
             for p in scenery
         ),
+        fruits=tuple(fruit_info(fruit) for fruit in fruits),
+    )
+
+
+def fruit_info(fruit: Fruit) -> wire.FruitInfo:
+    """A fruit as it grew."""
+    return wire.FruitInfo(
+        name=fruit.name, crop=fruit.crop, ripe=fruit.ripe, xyz_m=fruit.xyz_m, radius_m=round(fruit.top_m, 4)
     )
 
 

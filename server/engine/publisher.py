@@ -8,15 +8,18 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from robot_sim.pick.plan import PickPlan
 from server import wire
 from server.engine import snapshot
 from server.engine.core import Moment
 from server.engine.ledger import Ledger
 from server.engine.preview import Previewer
 from server.engine.session import Session
+from server.engine.tasks import Tasks
 from server.images_wire import ImageKind
 from server.settings import StreamConfig
 from server.stream.hub import Hub
+from teleop.assist.step import AssistState
 from teleop.intent_types import Event, Mode, Zone
 from teleop.modes import IN_CONTROL
 
@@ -37,8 +40,10 @@ class _Sent:
 class Publisher:
     """Called by the engine's thread; :meth:`painted` and :meth:`latest` by the server's."""
 
-    def __init__(self, hub: Hub, ledger: Ledger, config: StreamConfig) -> None:
+    def __init__(self, hub: Hub, ledger: Ledger, config: StreamConfig, tasks: Tasks) -> None:
         self._hub = hub
+        self._tasks = tasks
+        self._planned: PickPlan | None = None
         self._ledger = ledger
         self._config = config
         self._previewer = Previewer(config, hub.post_image)
@@ -70,6 +75,7 @@ class Publisher:
             self._arrivals.append(moment.received_s)
         for event in moment.events:
             self.event(event)
+        self._preview(moment.assist)
         with self._lock:
             self._current = moment
         # frames jitter: a state may come a little early rather than a whole frame late; ticks never displace a frame
@@ -122,7 +128,16 @@ class Publisher:
         if wet == self._wet:
             return
         self._wet = wet
-        self._hub.post_coverage(wire.Coverage(wet=wet).model_dump_json())
+        self._hub.post_kept("coverage", wire.Coverage(wet=wet).model_dump_json())
+
+    def _preview(self, assist: AssistState) -> None:
+        """Tell where a pick will go when that has changed."""
+        task = assist.active
+        plan = None if task is None else task.plan
+        if plan is self._planned:
+            return
+        self._planned = plan
+        self._hub.post_kept("preview", snapshot.preview(task).model_dump_json())
 
     def painted(self, seq: int, paint_ms: float | None = None) -> None:
         """A client has painted the overlay of state ``seq``: one sample of the whole way, way back included."""
@@ -177,6 +192,8 @@ class Publisher:
             command=snapshot.command_state(moment.command),
             robot=snapshot.robot_state(moment.robot),
             ghost=snapshot.ghost_state(moment.recorded),
+            task=self._tasks.newest,
+            aim=snapshot.aim_state(moment.assist.aim, moment.assist_config),
             reasons=snapshot.merged_reasons(moment.command.reasons, moment.robot.reasons),
             latency_ms=self._ledger.table(),
             clients=self._hub.count,

@@ -10,6 +10,9 @@ import numpy as np
 from robot_sim.commands import ArmTarget, RobotCommand
 from robot_sim.state import RobotState
 from server import wire
+from teleop.assist.aim import Aim
+from teleop.assist.task import PickTask
+from teleop.config.assist import AssistConfig
 from teleop.frames import Camera, pixels
 from teleop.intent_types import BodyAngles, Hands
 from teleop.joints import JOINT_NAMES
@@ -124,6 +127,28 @@ def ghost_state(pose: RecordedPose | None) -> wire.Ghost | None:
         return None
     base = wire.BasePose(x=round(pose.x_m, 4), y=round(pose.y_m, 4), yaw=round(pose.yaw_rad, 4))
     return wire.Ghost(base=base, joints={name: round(q, 4) for name, q in pose.joint_rad.items()})
+
+
+def preview(task: PickTask | None) -> wire.TaskPreview:
+    """Where a pick will go, to the millimetre; empty without a plan."""
+    if task is None or task.plan is None:
+        return wire.TaskPreview()
+    to_fruit, to_box = (tuple(_millimetres(point) for point in line) for line in task.plan.shown_m)
+    return wire.TaskPreview(
+        task=task.id, fruit=task.fruit, drive_m=round(task.plan.drive_m, 3), to_fruit=to_fruit, to_box=to_box
+    )
+
+
+def aim_state(aim: Aim, config: AssistConfig) -> wire.AimState | None:
+    """What the operator points at, while they do."""
+    if not aim.armed or aim.raised_s < config.aim_begin_s:
+        return None
+    return wire.AimState(fruit=aim.fruit, progress=round(aim.progress(config), 2))
+
+
+def _millimetres(point: Iterable[float]) -> tuple[float, float, float]:
+    x, y, z = (round(float(value), 3) for value in point)
+    return x, y, z
 
 
 def merged_reasons(*groups: Iterable[str]) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ class Hub:
         self._clients: set[Client] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wanted: frozenset[ImageKind] = frozenset()
-        self._coverage: str | None = None
+        self._kept: dict[str, str] = {}
         # half of what an outbox holds, so that a new client is not stalled from the start
         self._history: deque[tuple[int, str]] = deque(maxlen=max_events // 2)
         self._told_first = history
@@ -89,8 +89,8 @@ class Hub:
         if len(self._clients) >= self._max_clients:
             raise Refused(503, f"{self._max_clients} clients are connected already; close one of them")
         client = Client(Outbox(self._max_events), caller)
-        if self._coverage is not None:
-            client.outbox.put("coverage", self._coverage)
+        for kind, text in self._kept.items():
+            client.outbox.put(kind, text)
         self._clients.add(client)
         self._look_around()
         return client
@@ -113,12 +113,12 @@ class Hub:
         """A state for everybody; replaces the one not yet sent."""
         self._post(lambda: self._each("state", text))
 
-    def post_coverage(self, text: str) -> None:
-        """What of the crop is wet, for everybody, and for each who joins later."""
+    def post_kept(self, kind: str, text: str) -> None:
+        """What stays true until a newer message of its kind: for everybody, and for each who joins later."""
 
         def deliver() -> None:
-            self._coverage = text
-            self._each("coverage", text)
+            self._kept[kind] = text
+            self._each(kind, text)
 
         self._post(deliver)
 

@@ -223,7 +223,7 @@ def _started(task: PickTask, view: RobotView) -> PickTask:
     found = plan_pick(task.fruit, view.scenery, view.state, view.config)
     if isinstance(found, Refusal):
         return replace(task.ended(TaskStatus.FAILED, found.reason, found.detail), forward_m=found.forward_m)
-    return replace(task, status=TaskStatus.RUNNING, plan=found, run=begin(found, view.state))
+    return replace(task, status=TaskStatus.RUNNING, plan=found, run=begin(found, view.state, view.config))
 
 
 def _aimed(

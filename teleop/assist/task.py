@@ -64,9 +64,10 @@ class PickTask:
         """Where the pick is, or was when it ended; None before it began."""
         return None if self.run is None else self.run.stage
 
-    def progress(self, config: RobotConfig) -> float:
+    @property
+    def progress(self) -> float:
         """Share 0..1 that is done."""
-        return 0.0 if self.run is None else run_progress(self.run, config)
+        return 0.0 if self.run is None else run_progress(self.run)
 
     def ended(self, status: TaskStatus, reason: str, detail: str = "") -> PickTask:
         """The task with its end."""

@@ -87,7 +87,7 @@ def test_wet_leaves_are_told_to_those_who_are_there_and_who_come_later() -> None
         hub.bind(asyncio.get_running_loop())
         caller = Caller(Role.VIEWER, "a key of sixteen", "", True, "127.0.0.1")
         early = hub.join(caller)
-        hub.post_coverage("wet")
+        hub.post_kept("coverage", "wet")
         assert await early.outbox.get() == "wet"
         assert await hub.join(caller).outbox.get() == "wet"
 

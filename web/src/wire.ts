@@ -27,6 +27,17 @@ export type Hand = "open" | "fist" | "unknown";
 
 export type Liquid = "water" | "nutrient" | "pesticide";
 
+export type TaskStatus =
+  | "preview"
+  | "running"
+  | "succeeded"
+  | "failed"
+  | "refused"
+  | "cancelled"
+  | "taken_over";
+
+export type TaskStage = "align" | "approach" | "clamp" | "hold" | "cut" | "retreat" | "box";
+
 export type RoleName = "viewer" | "operator" | "supervisor";
 
 export type ImageChoice = "depth" | "color" | "none";
@@ -60,6 +71,15 @@ export interface SceneryItem {
   rgba: Vec4;
 }
 
+/** A fruit that can be picked, as it grew: middle in the world frame, radius of a ball about it [m]. Its pieces of scenery are named after it. */
+export interface FruitInfo {
+  name: string;
+  crop: "cucumber" | "tomato" | "grape";
+  ripe: boolean;
+  xyz_m: Vec3;
+  radius_m: number;
+}
+
 /** URDF joint names of one arm. */
 export interface ArmJoints {
   c1: string;
@@ -85,6 +105,7 @@ export interface Hello {
   disc_range_rad: Vec2;
   full_tank_l: number;
   scenery: SceneryItem[];
+  fruits: FruitInfo[];
   boot: string;
   missed_events: number;
 }
@@ -218,6 +239,42 @@ export interface Ghost {
   joints: { [key: string]: number };
 }
 
+/** One assisted pick. Times are Unix times [s]. status: preview (planned, waits to be confirmed) and running are under way; succeeded, failed, refused, cancelled and taken_over are ends. stage: null before it runs. attended: an operator is in control, confirms with the left fist and keeps both hands closed. reason: code of the end; detail: what happened and what to do. forward_m: the drive that would bring the fruit into reach; drive_m: the one that is planned. */
+export interface TaskState {
+  id: string;
+  kind: "pick";
+  fruit: string;
+  ripe: boolean;
+  status: TaskStatus;
+  stage: TaskStage | null;
+  progress: number;
+  attended: boolean;
+  confirmed: boolean;
+  reason: string;
+  detail: string;
+  drive_m: number | null;
+  forward_m: number | null;
+  created: number;
+  started: number | null;
+  ended: number | null;
+}
+
+/** The operator points at a fruit (null: at none); progress 0..1 of the time that opens its preview. */
+export interface AimState {
+  fruit: string | null;
+  progress: number;
+}
+
+/** Where an assisted pick will go: the grip point's way to the fruit, and from there to the box, in the world [m]. Empty when nothing is planned. A newer one replaces an older one in the send queue. drive_m: the chassis first. */
+export interface TaskPreview {
+  type: "preview";
+  task: string;
+  fruit: string;
+  drive_m: number;
+  to_fruit: Vec3[];
+  to_box: Vec3[];
+}
+
 /** Milliseconds over the last few hundred frames. */
 export interface StageLatency {
   p50: number;
@@ -225,7 +282,7 @@ export interface StageLatency {
   last: number;
 }
 
-/** One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s]. ghost: only while a recording plays that knows where the robot was. */
+/** One frame's worth of everything. A newer one replaces an older one in the send queue. t: Unix time [s]. ghost: only while a recording plays that knows where the robot was. task: the newest assisted pick. aim: only while the operator points. */
 export interface State {
   type: "state";
   seq: number;
@@ -243,6 +300,8 @@ export interface State {
   command: CommandState;
   robot: RobotWire;
   ghost: Ghost | null;
+  task: TaskState | null;
+  aim: AimState | null;
   reasons: string[];
   latency_ms: { [key: string]: StageLatency };
   clients: number;
@@ -286,6 +345,6 @@ export interface View {
   parts: boolean;
 }
 
-export type ServerMessage = Hello | Access | State | EventMessage | Coverage | ErrorMessage;
+export type ServerMessage = Hello | Access | State | EventMessage | Coverage | TaskPreview | ErrorMessage;
 
 export type ClientMessage = Painted | View;
