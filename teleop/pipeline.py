@@ -77,12 +77,12 @@ class Pipeline:
         return PipelineState(tracker=self.tracker.initial_state(), intent=intent)
 
     def step(
-        self, frame: DepthFrame, state: PipelineState, inputs: Inputs = Inputs()
+        self, frame: DepthFrame, state: PipelineState, inputs: Inputs = Inputs(), robot: RobotView | None = None
     ) -> tuple[PipelineOutput, PipelineState]:
-        """One frame through all stages."""
+        """One frame through all stages. robot: for the assisted pick, where there is one."""
         track, state = self.perceive(frame, state, inputs)
         intent, state = self.interpret(frame, track, state, inputs)
-        command, state = self.decide(intent, state, inputs)
+        command, state = self.decide(intent, state, inputs, robot)
         return PipelineOutput(track, intent, command, (*intent.events, *state.events), state.accepted), state
 
     def perceive(

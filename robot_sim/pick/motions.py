@@ -13,7 +13,7 @@ from robot_sim.config import RobotConfig
 from robot_sim.kinematics.transforms import FloatArray
 from robot_sim.pick.arm_space import ArmSpace, Carried
 from robot_sim.pick.grasp import Grasp
-from robot_sim.pick.paths import find_way, grip, hand_line, right_for, straight, timed
+from robot_sim.pick.paths import find_way, grip, hand_line, right_for, timed
 from robot_sim.pick.refusal import Refusal
 from robot_sim.pick.release import Release, releases, under_grip_m
 from robot_sim.plants import Fruit
@@ -58,32 +58,33 @@ def tuck(space: ArmSpace, q_now: FloatArray) -> Trajectory | None:
 
 def motions(space: ArmSpace, grasp: Grasp, fruit: Fruit) -> Motions | Refusal:
     """The motions of a pick that begins at the space's start."""
-    q_now, free = space.start, space.check()
-    at_fruit = np.append(grasp.q_right, q_now[3:])
+    free = space.check()
+    at_fruit = np.append(grasp.q_right, space.start[3:])
     right = right_for(space, grip(space, at_fruit) - space.config.pick.approach_m * grasp.approach)
-    if right is None or not free(at_fruit) or not free(before := np.append(right, q_now[3:])):
+    if right is None or not free(at_fruit) or not free(np.append(right, space.start[3:])):
         return Refusal(RobotReason.PICK_NO_PATH, "other fruit or the plant is in the way; choose another fruit")
     hanging = carried(fruit, space.config)
     places = list(islice(_places(space, fruit, hanging), PLACES_TRIED))
-    way = None
+    reached = False
     for search, some in ((False, places), (True, places[:BY_TREE])):
         for release in some:
-            ready, closed = (np.append(q, release.over[3:]) for q in (right, at_fruit[:3]))
-            if not free(ready) or (after := _after(space, ready, closed, release, hanging, search)) is None:
-                continue
-            # at best the box comes up while the right arm reaches out, else when that has arrived
-            reach, close_in, found_by = straight(q_now, ready), hand_line(space, ready, closed), "straight"
-            if not all(free(q) for q in reach):
-                way = way or find_way(space, q_now, before, None)
-                if way is None:
-                    detail = "no way leads there; lower both arms or choose another fruit"
-                    return Refusal(RobotReason.PICK_NO_PATH, detail)
-                reach, close_in, found_by = way.postures, hand_line(space, before, closed), way.found_by
+            ready, closed = (np.append(q, release.over[3:]) for q in (right, grasp.q_right))
+            close_in = hand_line(space, ready, closed)
             if close_in is None or not all(free(q) for q in close_in):
                 continue
-            legs = {Leg.REACH: timed(reach, space.config), Leg.CLOSE_IN: timed(close_in, space.config)} | after
+            after = _after(space, ready, closed, release, hanging, search)
+            if after is None:
+                continue
+            # the box comes up while the right arm reaches out
+            reach = find_way(space, space.start, ready, None, search=search)
+            reached = reached or reach is not None
+            if reach is None:
+                continue
+            legs = {Leg.REACH: timed(reach.postures, space.config), Leg.CLOSE_IN: timed(close_in, space.config)} | after
             if _keep_clear(space, legs, {Leg.RETREAT: closed, Leg.LOWER: release.over}, hanging):
-                return Motions(legs, found_by)
+                return Motions(legs, reach.found_by)
+    if places and not reached:
+        return Refusal(RobotReason.PICK_NO_PATH, "no way leads there; lower both arms or choose another fruit")
     return Refusal(RobotReason.PICK_NO_BOX, "there is no room for the box beside other fruit; choose another fruit")
 
 
@@ -118,7 +119,7 @@ def _after(
     at_fruit = replace(space, start=closed)
     over = hand_line(space, ready, release.over)
     if over is None or not at_fruit.along(over, hanging):
-        way = find_way(at_fruit, ready, release.over, hanging) if search else None
+        way = find_way(at_fruit, ready, release.over, hanging, search=search)
         if way is None:
             return None
         over = way.postures

@@ -1,4 +1,4 @@
-"""Ways between two postures of both arms: straight, round what is in the way, or found by sampling; in that order."""
+"""Ways between two postures of both arms: straight, one arm after the other, round what is in the way, or sampled."""
 
 from __future__ import annotations
 
@@ -72,51 +72,50 @@ def _right(space: ArmSpace, points_m: FloatArray) -> FloatArray | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """Postures (M, 6) from start to goal, and how they were found: straight, field or tree."""
+    """Postures (M, 6) from start to goal, and how they were found: straight, in_turn, field or tree."""
 
     postures: FloatArray
     found_by: str
 
 
-def find_way(space: ArmSpace, q0: FloatArray, q1: FloatArray, carried: Carried | None, seed: int = 0) -> Way | None:
-    """A free way from one posture (6,) to another; None when there is none, or none was found."""
-    for make in (_straight, _round_about):
-        postures = make(space, q0, q1, carried)
-        if postures is not None:
-            return Way(postures, make.__name__.strip("_"))
-    tree = _tree(space, q0, q1, space.check(carried), seed)
+def find_way(
+    space: ArmSpace, q0: FloatArray, q1: FloatArray, carried: Carried | None, *, search: bool = True, seed: int = 0
+) -> Way | None:
+    """A free way from one posture (6,) to another; None when there is none, or none was found.
+
+    search: beside the quick ways (straight, one arm after the other) the right hand's way through a potential field
+    and a tree of sampled postures, which take longer.
+    """
+    free = space.check(carried)
+    right_first, left_first = np.append(q1[:3], q0[3:]), np.append(q0[:3], q1[3:])
+    quick = (("straight", (q0, q1)), ("in_turn", (q0, right_first, q1)), ("in_turn", (q0, left_first, q1)))
+    for name, corners in quick:
+        path = through(np.array(corners))
+        if all(free(q) for q in path):
+            return Way(path, name)
+    if not search:
+        return None
+    field = _round_about(space, q0, q1)
+    if field is not None and all(free(q) for q in field):
+        return Way(field, "field")
+    tree = _tree(space, q0, q1, free, seed)
     return None if tree is None else Way(tree, "tree")
 
 
-def _straight(space: ArmSpace, q0: FloatArray, q1: FloatArray, carried: Carried | None) -> FloatArray | None:
-    path = straight(q0, q1)
-    return path if space.along(path, carried) else None
-
-
-def _round_about(space: ArmSpace, q0: FloatArray, q1: FloatArray, carried: Carried | None) -> FloatArray | None:
+def _round_about(space: ArmSpace, q0: FloatArray, q1: FloatArray) -> FloatArray | None:
     """The right hand through the potential field; the left arm moves when the right one has arrived."""
     back = (grip(space, q0) - space.point(q0, 2, np.zeros(3))) / (space.config.arm.forearm_m + GRIP_M)
-    found = plan_path(
-        grip(space, q0),
-        grip(space, q1),
-        space.scene,
-        np.outer(-ALONG_M, back),
-        RADII_M,
-        FieldConfig(margin_m=space.config.pick.plant_gap_m, reach_m=0.10, steps=300, escapes=3, hops=150),
-    )
+    ball_m, gap_m = np.outer(-ALONG_M, back), space.config.pick.plant_gap_m
+    field = FieldConfig(margin_m=gap_m, reach_m=0.10, steps=300, escapes=3, hops=150)
+    found = plan_path(grip(space, q0), grip(space, q1), space.scene, ball_m, RADII_M, field)
     if not found.ok:
         return None
-    keys = key_points(
-        found.points, space.scene, np.outer(-ALONG_M, back), RADII_M,
-        margin_m=space.config.pick.plant_gap_m, spacing_m=0.08,
-    )  # fmt: skip
+    keys = key_points(found.points, space.scene, ball_m, RADII_M, margin_m=gap_m, spacing_m=0.08)
     right = _right(space, keys)
     if right is None:
         return None
     corners = np.concatenate([right, np.broadcast_to(q0[3:], (len(right), 3))], axis=1)
-    corners[0] = q0
-    path = through(np.concatenate([corners[:-1], [np.append(q1[:3], q0[3:]), q1]]))
-    return path if space.along(path, carried) else None
+    return through(np.concatenate([[q0], corners[1:-1], [np.append(q1[:3], q0[3:]), q1]]))
 
 
 def _tree(
@@ -140,7 +139,7 @@ def _tree(
         lambda part: free(whole(part)),
         np.random.default_rng(seed),
         step_rad=0.08,
-        iterations=120,
+        iterations=200,
         smoothing=40,
     )
     return np.array([whole(part) for part in found.path]) if found.ok else None

@@ -18,13 +18,12 @@ from robot_sim.urdf_parts_tools import BOX_MIDDLE_M, BOX_PITCH_RAD, BOX_RPY, BOX
 
 OVER_RIM_M = 0.025
 """The fruit passes over the box's rim with this to spare."""
-OVER_FLOOR_M, PADS_M = 0.035, 0.05
-"""It is let go this far above the box's floor, and the grip point stays at least that far above it: soft fruit bruises
-when it falls."""
+OVER_FLOOR_M = 0.035
+"""It is let go this far above the box's floor, or higher where the gripper would touch the rim."""
 TILT_RAD = 0.27
 AHEAD_M = 0.50
 """The box stays this near the mast: at the crop it would push against lower fruit."""
-STEP_RAD = 0.05
+STEP_RAD = 0.07
 SPARE_RAD = 0.02
 
 
@@ -72,17 +71,13 @@ def releases(under_grip_m: float, config: RobotConfig) -> Iterator[Release]:
     None of them is checked against anything but the right arm's reach.
     """
     places, half = box_places(config), 0.5 * BOX_SIZE_M[2]
-    # as deep as may be, else above the rim
-    ups = (half + under_grip_m + OVER_RIM_M, max(under_grip_m + OVER_FLOOR_M, PADS_M) - half, half + OVER_RIM_M)
+    ups = (half + under_grip_m + OVER_RIM_M, max(under_grip_m + OVER_FLOOR_M - half, half + OVER_RIM_M))
     middles = np.array([place.middle_m for place in places]) - np.array([0.0, 0.0, DISC_HEIGHT_M])
-    over, deep, shallow = (angles_for_hands("right", middles + np.array([0.0, 0.0, up]), GRIP_M, config) for up in ups)
+    over, lowered = (angles_for_hands("right", middles + np.array([0.0, 0.0, up]), GRIP_M, config) for up in ups)
     arm = config.arm
     lower, upper = (np.array([getattr(a, end) for a in (arm.c1, arm.c2, arm.elbow)]) for end in ("lower", "upper"))
-    can = [((q >= lower) & (q <= upper)).all(axis=1) for q in (over, deep, shallow)]
-    for k in np.flatnonzero(can[0]):
-        for reached, q in ((can[1], deep), (can[2], shallow)):
-            if reached[k]:
-                yield Release(np.append(over[k], places[k].q_left), np.append(q[k], places[k].q_left))
+    for k in np.flatnonzero(((over >= lower) & (over <= upper) & (lowered >= lower) & (lowered <= upper)).all(axis=1)):
+        yield Release(np.append(over[k], places[k].q_left), np.append(lowered[k], places[k].q_left))
 
 
 def under_grip_m(fruit: Fruit, grip_under_top_m: float) -> float:

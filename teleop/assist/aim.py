@@ -19,6 +19,8 @@ from teleop.mapping import bone_forward_outward_up
 from teleop.skeleton import Skeleton
 
 F64 = npt.NDArray[np.float64]
+LINGERS_S = 0.3
+"""Half of this and of ``aim_begin_s``: so long the hand may be out of sight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +94,7 @@ def step_aim(
         # a moment without the hand does not end the aim, but one that was used must be let go first
         left_s = max(0.0, aim.raised_s - 2.0 * dt_s)
         return (Aim() if left_s <= 0.0 else replace(aim, raised_s=left_s)), None
-    raised_s = min(aim.raised_s + dt_s, config.aim_begin_s + 1.0)
+    raised_s = min(aim.raised_s + dt_s, config.aim_begin_s + LINGERS_S)
     if not aim.armed or raised_s < config.aim_begin_s:
         return replace(aim, raised_s=raised_s), None
     mixed = _smoothed(aim, direction, dt_s, config)

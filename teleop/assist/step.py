@@ -29,11 +29,13 @@ from teleop.skeleton import Skeleton
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AssistState:
-    """task: the newest one, also after its end. ended: those that ended in the last step beside it."""
+    """task: the newest one, also after its end. ended: those that ended in the last step beside it. holding: the
+    operator's arms and hands drove nothing in the last step."""
 
     task: PickTask | None = None
     aim: Aim = field(default_factory=Aim)
     ended: tuple[PickTask, ...] = ()
+    holding: bool = False
 
     @property
     def active(self) -> PickTask | None:
@@ -104,7 +106,9 @@ def step_assist(
         events += _told(None if before is None or before.id != ended.id else before, ended, now.t_ns)
     events += _told(before, state.task, now.t_ns)
     holds = bool(reasons) or state.active is not None
-    return Assisted(state, wish, holds, stops or waits, reasons, tuple(events))
+    # where the operator's arms were going is dropped, too
+    stops = stops or waits or (holds and not state.holding and wish is None)
+    return Assisted(replace(state, holding=holds), wish, holds, stops, tuple(map(str, reasons)), tuple(events))
 
 
 def _runs(task: PickTask | None) -> bool:
@@ -243,8 +247,8 @@ def _aimed(
         state = _replaced(state, _opened(PickAsk(f"pick-{now.t_ns}", fruit=decided), now, view))
     elif decided == "" and (task := state.active) is not None:
         state = replace(state, task=task.ended(TaskStatus.CANCELLED, Reason.ASSIST_DECLINED))
-    aiming = aim.raised_s >= config.aim_begin_s
-    return state, (Reason.ASSIST_AIMING,) if aiming else ()
+    # from the first frame on: the robot's arms must not follow the hand to the head
+    return state, (Reason.ASSIST_AIMING,) if aim.raised_s > 0.0 else ()
 
 
 def _told(before: PickTask | None, after: PickTask | None, t_ns: int) -> list[Event]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from stick_figure import Person, frame, skeleton
 
+from teleop.assist.task import RobotView
 from teleop.config import TeleopConfig
 from teleop.config.intent import HandConfig
 from teleop.frames import DepthFrame
@@ -52,6 +53,7 @@ class Rig:
     t_ns: int = 0
     seq: int = 0
     rng: np.random.Generator | None = None
+    robot: RobotView | None = None
 
     def show(
         self, who: Person | Skeleton | None, inputs: Inputs = Inputs(), dt_ns: int = PERIOD_NS, reset: bool = False
@@ -68,7 +70,7 @@ class Rig:
 
     def push(self, picture: DepthFrame, inputs: Inputs = Inputs()) -> PipelineOutput:
         """This very frame."""
-        output, self.state = self.pipeline.step(picture, self.state, inputs)
+        output, self.state = self.pipeline.step(picture, self.state, inputs, self.robot)
         return output
 
     def hold(self, who: Person | Skeleton | None, seconds: float) -> list[PipelineOutput]:
