@@ -69,7 +69,7 @@ def create_app(
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         hub.bind(asyncio.get_running_loop())
         desk.changed = lambda: hub.tell_each(lambda caller: desk.access(caller).model_dump_json())
-        desk.taken = lambda: _let_go(engine)
+        desk.taken = lambda: _disengage(engine)
         desk.lost = lambda: engine.end_picks(Reason.ASSIST_LEASE)
         watching = [asyncio.create_task(work) for work in (_watch(desk), lag.watch())]
         yield
@@ -127,10 +127,8 @@ def create_app(
     return app
 
 
-def _let_go(engine: Engine) -> None:
-    """Somebody else commands from now on: nobody is engaged, and what was begun ends."""
+def _disengage(engine: Engine) -> None:
     engine.engage(False)
-    engine.end_picks(Reason.ASSIST_LEASE)
 
 
 async def _watch(desk: Desk) -> None:

@@ -42,7 +42,7 @@ Audit = Callable[[str, str], None]
 
 class Desk:
     """One for an application. changed: called after each change of the lease. taken: called after a take-over.
-    lost: called when the holder is gone and the lease has lapsed."""
+    lost: called when a holder has it no longer, however that came about."""
 
     def __init__(self, tokens: Tokens, config: AccessConfig, port: int, announce: Announce, audit: Audit) -> None:
         self.cookie_name = f"teleop_{port}"  # cookies know no port: two servers on one machine must not share one
@@ -204,10 +204,7 @@ class Desk:
         gone = [key for key, seen_s in self._seen.items() if now_s - seen_s > self.config.lease_idle_s]
         for key in gone:
             del self._seen[key]
-        before = self._lease.holder
         self._step(leases.watched(self._lease, frozenset(self._streams) | frozenset(self._seen), time.time()))
-        if before is not None and self._lease.holder is not before:
-            self.lost()
 
     def _step(self, step: tuple[Lease, tuple[Change, ...]]) -> None:
         before, (self._lease, changes) = self._lease, step
@@ -216,6 +213,8 @@ class Desk:
             self.note(change.reason, change.detail)
         if changes or before.requests != self._lease.requests:
             self.changed()
+        if before.holder is not None and not self._lease.held_by(before.holder):
+            self.lost()
 
 
 class TooOften(Refused):

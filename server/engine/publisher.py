@@ -192,7 +192,7 @@ class Publisher:
             command=snapshot.command_state(moment.command),
             robot=snapshot.robot_state(moment.robot),
             ghost=snapshot.ghost_state(moment.recorded),
-            task=self._tasks.newest,
+            task=self._tasks.current,
             aim=snapshot.aim_state(moment.assist.aim, moment.assist_config),
             reasons=snapshot.merged_reasons(moment.command.reasons, moment.robot.reasons),
             latency_ms=self._ledger.table(),

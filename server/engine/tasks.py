@@ -27,6 +27,7 @@ class Tasks:
         self._clock = clock
         self._lock = threading.Lock()
         self._tasks: OrderedDict[str, wire.TaskState] = OrderedDict()
+        self._current: str | None = None
         self._waiting: dict[str, Future[wire.TaskState]] = {}
 
     def all(self) -> list[wire.TaskState]:
@@ -43,17 +44,15 @@ class Tasks:
         return found
 
     @property
-    def newest(self) -> wire.TaskState | None:
-        """The last one that was begun."""
+    def current(self) -> wire.TaskState | None:
+        """The one that holds the robot, or held it last."""
         with self._lock:
-            return next(reversed(self._tasks.values()), None)
+            return None if self._current is None else self._tasks.get(self._current)
 
     def active(self, fruit: str | None) -> wire.TaskState | None:
         """The task under way, when it is for this fruit (None: for whichever)."""
-        newest = self.newest
-        if newest is None or newest.status not in ACTIVE or fruit not in (None, newest.fruit):
-            return None
-        return newest
+        now = self.current
+        return now if now is not None and now.status in ACTIVE and fruit in (None, now.fruit) else None
 
     def expect(self, task_id: str) -> Future[wire.TaskState]:
         """The task as it stands after the step that it is asked of."""
@@ -67,8 +66,7 @@ class Tasks:
         with self._lock:
             for task in (*assist.ended, *((assist.task,) if assist.task else ())):
                 self._tasks[task.id] = self._state(task, self._tasks.get(task.id), now_s)
-                if task is not assist.task:
-                    self._tasks.move_to_end(task.id, last=False)
+            self._current = assist.task.id if assist.task else self._current
             under_way = assist.active.id if assist.active else None
             for known in [t for t in self._tasks.values() if t.status in ACTIVE and t.id != under_way]:
                 cut_off = {"status": "cancelled", "reason": str(Reason.ASSIST_RESTARTED), "ended": now_s}

@@ -116,10 +116,11 @@ def _runs(task: PickTask | None) -> bool:
 
 
 def _replaced(state: AssistState, task: PickTask) -> AssistState:
-    """A new task in the place of the one under way, which is cancelled."""
-    old = state.active
-    ended = state.ended if old is None else (*state.ended, old.ended(TaskStatus.CANCELLED, Reason.ASSIST_REPLACED))
-    return replace(state, task=task, ended=ended)
+    """A new task in the place of the one before, which is cancelled if it is under way."""
+    old = state.task
+    if old is not None and old.active:
+        old = old.ended(TaskStatus.CANCELLED, Reason.ASSIST_REPLACED)
+    return replace(state, task=task, ended=state.ended if old is None else (*state.ended, old))
 
 
 def _asked(state: AssistState, ask: PickAsk, now: Situation, view: RobotView | None) -> AssistState:
