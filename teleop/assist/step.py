@@ -195,7 +195,7 @@ def _go_on(
         if view.state.sim_time_s - task.opened_s > config.preview_s:
             return task.ended(TaskStatus.CANCELLED, Reason.ASSIST_TIMEOUT), None, (), False
         if not task.confirmation.confirmed:
-            return task, None, (Reason.ASSIST_PREVIEW,), False
+            return task, None, (Reason.ASSIST_PREVIEW,) if task.attended else (), False
         if task.attended and not both_closed(now.hands):
             return task, None, (Reason.ASSIST_CLOSE_HANDS,), False
         task = _started(task, view)

@@ -95,6 +95,9 @@ class ConsoleServer:
     def post(self, path: str, body: dict[str, Any] | None = None) -> httpx.Response:
         return self._api.post(path, json=body)
 
+    def delete(self, path: str) -> httpx.Response:
+        return self._api.delete(path)
+
     def _is_ready(self) -> bool:
         assert self._process is not None
         code = self._process.poll()

@@ -8,25 +8,27 @@ import re
 import pytest
 from console_server import ROOT
 
+from robot_sim.pick.run import Stage
 from robot_sim.reasons import RobotReason
 from server.wire_types import typescript
 from teleop.reasons import Reason
 
 KEY = re.compile(r'^  "([^"]+)": "', re.MULTILINE)
-CODE = re.compile(r'"((?:hold|stop|refused|limit|mode|tool|source|config|recording)\.[a-z_]+)"')
+CODE = re.compile(r'"((?:hold|stop|refused|limit|mode|tool|source|config|recording|assist|pick)\.[a-z_]+)"')
 LANGUAGES = ROOT / "web" / "src" / "i18n"
 
 
 def codes_in_sources() -> set[str]:
     """Codes written where events are made, beside those of the two enumerations."""
-    files = [*(ROOT / "teleop").glob("*.py"), *(ROOT / "server").rglob("*.py")]
+    teleop = ROOT / "teleop"
+    files = [*teleop.glob("*.py"), *(teleop / "assist").glob("*.py"), *(ROOT / "server").rglob("*.py")]
     return {code for file in files for code in CODE.findall(file.read_text(encoding="utf-8"))}
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_every_reason_has_words(language: str) -> None:
     keys = set(KEY.findall((LANGUAGES / f"{language}.ts").read_text(encoding="utf-8")))
-    codes = {*map(str, Reason), *map(str, RobotReason), *codes_in_sources()}
+    codes = {*map(str, Reason), *map(str, RobotReason), *codes_in_sources(), *(f"assist.{stage}" for stage in Stage)}
     assert len(codes) > len(Reason)
     assert [code for code in sorted(codes) if f"reason.{code}" not in keys] == []
 

@@ -1,4 +1,4 @@
-"""The three examples, each run as its reader would, on the real server and the real tracker."""
+"""The examples, each run as its reader would, on the real server and the real tracker."""
 
 from __future__ import annotations
 
@@ -40,13 +40,21 @@ def test_angles_of_a_replayed_session_become_a_table(url: str, tmp_path: Path) -
 
 
 def test_the_robot_drives_and_picks_with_the_lease(url: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert example("drive_to_pick").main(["--forward", "0.2", "--url", url]) == 0
-    assert "picked" in capsys.readouterr().out
+    fruit = "cucumber_4_fruit_0"
+    assert example("drive_to_pick").main(["--fruit", fruit, "--url", url]) == 0
+    told = capsys.readouterr().out
+    assert "m forward first" in told and f"{fruit}: cut" in told and "1 in the box" in told
     with TeleopClient(url) as robot:
         state = robot.state()
-        assert state.robot.base.x**2 + state.robot.base.y**2 > 0.15**2
-        assert abs(state.robot.drive_m_s) < 0.01 and not state.robot.cutter_closed and not state.robot.gripper_open
+        assert state.robot.base.x > 0.5 and state.robot.fruits == {fruit: "boxed"}
+        assert abs(state.robot.drive_m_s) < 0.01 and not state.robot.cutter_closed
         assert robot.access().lease.holder is None, "it gave the lease back"
+
+
+@pytest.mark.parametrize("scenario", ["pick_one", "pick_tomatoes", "pick_grapes"])
+def test_a_scenario_is_played_by_a_script(scenario: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert example("pick_by_script").main([scenario]) == 0
+    assert "1 in the box, 0 damaged" in capsys.readouterr().out
 
 
 def test_a_folder_is_tracked_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

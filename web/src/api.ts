@@ -2,7 +2,7 @@
 
 import { clientKey } from "./client";
 import type { Json, Schema } from "./settings/schema";
-import type { Access } from "./wire";
+import type { Access, TaskState } from "./wire";
 
 export interface Recording {
   id: string;
@@ -98,6 +98,9 @@ export const api = {
   speed: (speed: number) => request("POST", "/replay/speed", { speed }),
   loop: (loop: boolean) => request("POST", "/replay/loop", { loop }),
   robot: (command: RobotRequest) => request("POST", "/robot/command", command),
+  pick: async (fruit: string | null, preview: boolean) => (await request("POST", "/tasks/pick", { fruit, preview })) as TaskState,
+  confirmTask: (id: string) => request("POST", `/tasks/${encodeURIComponent(id)}/confirm`),
+  cancelTask: (id: string) => request("DELETE", `/tasks/${encodeURIComponent(id)}`),
   openSession: (session: SessionRequest) => request("POST", "/sessions", session, OPEN_TIMEOUT_MS),
   upload,
   recordings: async () => (await request("GET", "/recordings")) as Recording[],

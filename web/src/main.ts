@@ -8,6 +8,7 @@ import "./styles/banner.css";
 import "./styles/views.css";
 import "./styles/person.css";
 import "./styles/tools.css";
+import "./styles/pick.css";
 import "./styles/replay.css";
 import "./styles/measures.css";
 import "./styles/sheets.css";
@@ -104,6 +105,9 @@ function receive(message: ServerMessage, received_ms: number): void {
     case "coverage":
       scene.coverage(message);
       break;
+    case "preview":
+      scene.preview(message);
+      break;
     case "event":
       for (const panel of panels) panel.event?.(message);
       break;
@@ -197,6 +201,7 @@ listen(() => void emergencyStop(), {
   h: () => camera.toggleHead(),
   m: () => camera.toggleMirror(),
   f: () => scene.toggleFollow(),
+  g: command(() => scene.pick.key()),
   t: toggleTheme,
   l: toggleLanguage,
   s: toggleSound,

@@ -17,18 +17,24 @@ export class Sounds {
   private mode: State["mode"] | null = null;
   private engaged = false;
   private estop = false;
+  private task: string | null = null;
 
   state(state: State): void {
     const tone = this.toneFor(state);
     this.mode = state.mode;
     this.engaged = state.engaged;
     this.estop = state.robot.estop;
+    this.task = state.task?.status ?? null;
     if (tone && prefs.sound) this.play(tone);
   }
 
   private toneFor(state: State): Tone | null {
     if (this.mode === null) return null;
     if (state.robot.estop !== this.estop) return state.robot.estop ? STOP : RELEASED;
+    const task = state.task?.status ?? null;
+    if (task !== this.task && task === "succeeded") return ENGAGED;
+    if (task !== this.task && this.task === "running") return HOLD;
+    if (task !== this.task && (task === "preview" || task === "running")) return TASK;
     if (state.engaged !== this.engaged) return state.engaged ? ENGAGED : RELEASED;
     if (state.mode === this.mode) return null;
     if (state.mode === "stopped") return STOP;

@@ -36,6 +36,13 @@ export function mainReason(reasons: readonly string[]): string | null {
   return loud[0] ?? null;
 }
 
+/** The line under the mode. A robot that picks without an operator is not stopped because nobody is seen. */
+function words(state: State): string {
+  if (state.task?.status === "running" && !state.task.attended) return t("task.byitself");
+  const reason = mainReason(state.reasons);
+  return reason === null ? t(`hint.${state.mode}`) : reasonText(reason);
+}
+
 export class Banner implements Panel {
   readonly element: HTMLElement;
   private readonly glyph = icon("eye");
@@ -100,8 +107,7 @@ export class Banner implements Panel {
     this.look.set(mode);
     this.stopLook.set(String(estop));
     this.modeText.set(t(`mode.${word}` as Key));
-    const reason = estop ? null : mainReason(state.reasons);
-    this.reason.set(reason === null ? t(`hint.${word}` as Key) : reasonText(reason));
+    this.reason.set(estop ? t("hint.estop") : words(state));
     setIcon(this.glyph, ICONS[mode]);
     const progress = state.engage_progress > 0 && state.engage_progress < 1 ? state.engage_progress : state.engaged ? 1 : 0;
     this.ringOffset.set((RING_LENGTH * (1 - progress)).toFixed(0));

@@ -20,6 +20,7 @@ const KEYS: readonly (readonly [string, Key])[] = [
   ["H", "help.head"],
   ["M", "help.mirror"],
   ["F", "help.follow"],
+  ["G", "help.pick"],
   ["D", "help.far"],
   ["K", "help.calibrate"],
   [",", "help.settings"],
@@ -28,7 +29,7 @@ const KEYS: readonly (readonly [string, Key])[] = [
   ["S", "help.sound"],
   ["?", "help.help"],
 ];
-const GESTURES: readonly Key[] = ["help.gesture.engage", "help.gesture.stop", "help.gesture.hands"];
+const GESTURES: readonly Key[] = ["help.gesture.engage", "help.gesture.stop", "help.gesture.hands", "help.gesture.pick"];
 
 export function helpSheet(): Sheet {
   const keys = h("dl", { class: "keys" });

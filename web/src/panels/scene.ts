@@ -3,8 +3,9 @@
 import { Text, h } from "../dom";
 import { t, translated } from "../i18n";
 import { type Panel, frame } from "../panel";
-import type { Coverage, Hello, State } from "../wire";
+import type { Coverage, Hello, State, TaskPreview } from "../wire";
 import type { Stage } from "../scene/stage";
+import { PickCard } from "./pick";
 
 export class ScenePanel implements Panel {
   readonly element: HTMLElement;
@@ -18,11 +19,14 @@ export class ScenePanel implements Panel {
   private loading: Promise<Stage | null> | null = null;
   private shown = "";
   private wet: Coverage | null = null;
+  private route: TaskPreview | null = null;
+  readonly pick = new PickCard();
+  private readonly label = new Text(h("p", { class: "scene-label", "aria-hidden": "true" }));
 
   constructor() {
     const { element, tools } = frame("scene", "panel.scene", this.box);
     this.element = element;
-    this.box.append(this.note.element, this.speed.element);
+    this.box.append(this.note.element, this.speed.element, this.label.element, this.pick.element);
     // In a tab of its own: the console with its stop button stays.
     const studies = translated(h("a", { class: "chip", href: "./motion.html", target: "_blank" }), "scene.studies");
     tools.append(this.cost.element, studies, this.followButton, this.homeButton);
@@ -32,6 +36,7 @@ export class ScenePanel implements Panel {
   }
 
   hello(hello: Hello): void {
+    this.pick.hello(hello);
     this.loading ??= this.start();
     void this.loading.then((stage) => this.fill(stage, hello));
   }
@@ -43,10 +48,14 @@ export class ScenePanel implements Panel {
       this.note.set(t("scene.nowebgl"));
       return null;
     }
-    this.stage = new Stage(this.box, (triangles, ms) =>
-      this.cost.set(t("scene.triangles", { count: triangles, ms: ms.toFixed(0) })),
+    this.stage = new Stage(
+      this.box,
+      (triangles, ms) => this.cost.set(t("scene.triangles", { count: triangles, ms: ms.toFixed(0) })),
+      (fruit) => void this.pick.ask(fruit),
+      (fruit) => this.label.set(fruit === null ? "" : this.pick.called(fruit)),
     );
     if (this.wet) this.stage.coverage(this.wet);
+    if (this.route) this.stage.preview(this.route);
     this.showFollow();
     return this.stage;
   }
@@ -76,7 +85,8 @@ export class ScenePanel implements Panel {
     this.followButton.setAttribute("aria-pressed", String(this.stage?.follow ?? true));
   }
 
-  state(state: State): void {
+  state(state: State, now_ms: number): void {
+    this.pick.state(state, now_ms);
     const { drive_m_s, turn_rad_s } = state.robot;
     this.speed.set(`${tidy(drive_m_s, 2)} m/s   ${tidy((turn_rad_s * 180) / Math.PI, 0)}°/s`);
     this.stage?.state(state);
@@ -86,6 +96,12 @@ export class ScenePanel implements Panel {
   coverage(coverage: Coverage): void {
     this.wet = coverage;
     this.stage?.coverage(coverage);
+  }
+
+  /** Held until the 3-D code is here, too. */
+  preview(preview: TaskPreview): void {
+    this.route = preview;
+    this.stage?.preview(preview);
   }
 
   restyle(): void {

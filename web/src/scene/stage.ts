@@ -19,8 +19,11 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cssColor, h } from "../dom";
-import type { Coverage, Hello, State } from "../wire";
+import type { Coverage, Hello, State, TaskPreview } from "../wire";
+import { Fruits } from "./fruits";
+import { Pointer } from "./pointer";
 import { RobotModel } from "./robot";
+import { Halo, Route } from "./route";
 import { AISLE_HALF_WIDTH_M, type Scenery, buildScenery, disposeScenery } from "./scenery";
 
 const MIN_PERIOD_MS = 33;
@@ -52,6 +55,12 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly base = new Vector3();
   private readonly step = new Vector3();
+  private readonly fruits = new Fruits();
+  private readonly route = new Route();
+  private readonly meant = new Halo(0xf2b134);
+  private readonly hovered = new Halo(0xffffff);
+  private planned: string | null = null;
+  private under: string | null = null;
   private wet: Coverage["wet"] = {};
   private scenery: Scenery | null = null;
   private robot: RobotModel | null = null;
@@ -72,6 +81,8 @@ export class Stage {
   constructor(
     private readonly box: HTMLElement,
     private readonly report: (triangles: number, cost_ms: number) => void,
+    private readonly chosen: (fruit: string) => void = () => {},
+    private readonly over: (fruit: string | null) => void = () => {},
   ) {
     const software = drawnBySoftware();
     this.rest = software ? SOFTWARE_REST : 0;
@@ -96,6 +107,11 @@ export class Stage {
     const sun = new DirectionalLight(0xffffff, 1.9);
     sun.position.set(3, -4, 8);
     this.scene.add(sun, new HemisphereLight(0xe8f4ee, 0x3a4a40, 1.5), new AmbientLight(0xffffff, 0.25));
+    this.scene.add(this.route.group, this.meant.mesh, this.hovered.mesh);
+    new Pointer(this.shown, (point) => this.hover(point && this.fruits.at(point, this.camera)), (point) => {
+      const fruit = this.fruits.at(point, this.camera);
+      if (fruit !== null) this.chosen(fruit);
+    });
     new ResizeObserver(() => this.resize()).observe(box);
     new IntersectionObserver((entries) => this.see(entries.at(-1)?.isIntersecting ?? true)).observe(box);
     document.addEventListener("visibilitychange", () => this.invalidate());
@@ -113,6 +129,7 @@ export class Stage {
       this.scene.remove(this.robot.group);
       this.robot.dispose();
     }
+    this.fruits.hello(hello.fruits);
     this.scenery = buildScenery(hello.scenery);
     this.robot = new RobotModel(urdf, hello.arm_joints);
     this.scenery.wet.set(this.wet);
@@ -122,6 +139,10 @@ export class Stage {
   }
 
   state(state: State): void {
+    this.fruits.state(state.robot);
+    const meant = state.aim ? state.aim.fruit : this.planned;
+    const fruit = meant !== null && state.robot.fruits[meant] === undefined ? this.fruits.where(meant) : null;
+    if (this.meant.set(fruit)) this.invalidate();
     if (this.scenery?.moved.set(state.robot.moved)) this.invalidate();
     if (!this.robot?.set(state)) return;
     const { x, y } = state.robot.base;
@@ -133,6 +154,21 @@ export class Stage {
       this.controls.update();
     }
     this.invalidate();
+  }
+
+  /** Where an assisted pick will go, or an empty preview. */
+  preview(preview: TaskPreview): void {
+    this.planned = preview.fruit || null;
+    const { x, y } = this.base;
+    this.route.set(preview, { x, y, yaw: this.robot?.group.rotation.z ?? 0 });
+    this.invalidate();
+  }
+
+  private hover(fruit: string | null): void {
+    if (fruit !== this.under) this.over(fruit);
+    this.under = fruit;
+    this.shown.style.cursor = fruit === null ? "" : "pointer";
+    if (this.hovered.set(fruit === this.planned ? null : this.fruits.where(fruit))) this.invalidate();
   }
 
   coverage({ wet }: Coverage): void {
