@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from robot_sim.pick_config import PickConfig
 from robot_sim.section import RobotSection
+from robot_sim.start_config import Start
 
 
 class AxisLimits(RobotSection):
@@ -303,6 +304,7 @@ class RobotConfig(RobotSection):
     serial: SerialConfig = Field(default_factory=SerialConfig)
     servo: ServoConfig = Field(default_factory=ServoConfig)
     pick: PickConfig = Field(default_factory=PickConfig)
+    start: Start = Field(default_factory=Start)
     position_gain: float = Field(
         default=0.35, ge=0.01, le=1.0, description="servo loop: share of the error removed per tick"
     )

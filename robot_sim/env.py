@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
@@ -11,13 +11,9 @@ from robot_sim.errors import RobotError
 from robot_sim.events import RobotEvent
 from robot_sim.metrics import RunMetrics
 from robot_sim.plants import Fruit
-from robot_sim.scenario import Scenario, load_scenario, standing_place
+from robot_sim.scenario import Scenario, load_scenario
 from robot_sim.state import RobotState
 from robot_sim.world import World
-
-DRIVE_GAIN_1_S = 2.0
-ARRIVED_M = 0.003
-PATIENCE_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +40,14 @@ class GreenhouseEnv:
     def __init__(self, scenario: Scenario | str = "pick_one", period_s: float = 1.0 / 30.0) -> None:
         """scenario: one, or the name of one. period_s: simulated time of one step [s].
 
-        Raises RobotError for a scenario that is not there and for a period that is not above zero.
+        Raises RobotError for a scenario that is not there, a fruit that does not grow there, and a period that is not
+        above zero.
         """
         if not 0.0 < period_s <= 1.0:
             raise RobotError(f"the period must be above 0 s and at most 1 s, got {period_s}")
         self.scenario = load_scenario(scenario) if isinstance(scenario, str) else scenario
         self.period_s = period_s
-        self._world = World(self.scenario.robot, self.scenario.seed)
-        self._begun = self._world.metrics()
+        self._world = World(self.scenario.robot_config, self.scenario.seed)
         self._score = 0.0
         self._ready = False
 
@@ -72,10 +68,8 @@ class GreenhouseEnv:
         """Begin anew, with another crop when a seed is given; returns observation and info."""
         if seed is not None and seed != self._world.seed:
             self._world.close()
-            self._world = World(self.scenario.robot, seed)
+            self._world = World(self.scenario.robot_config, seed)
         self._world.reset()
-        self._drive_to_start()
-        self._begun = self._world.metrics()
         self._ready = True
         self._score = self._value()
         return self.observe(), self._info()
@@ -108,38 +102,10 @@ class GreenhouseEnv:
         return 0.0 if liquid is None else self._world.coverage(liquid, goal.low_m, goal.high_m)
 
     def _info(self) -> Info:
-        metrics, begun = self._world.metrics(), self._begun
-        run = replace(
-            metrics,
-            time_s=metrics.time_s - begun.time_s,
-            distance_m=metrics.distance_m - begun.distance_m,
-            turned_rad=metrics.turned_rad - begun.turned_rad,
-            energy_j=metrics.energy_j - begun.energy_j,
-        )
-        return Info(run, self._world.events, self.scenario.goal.reached(run, self._coverage()))
+        metrics = self._world.metrics()
+        return Info(metrics, self._world.events, self.scenario.goal.reached(metrics, self._coverage()))
 
     def _value(self) -> float:
         m = self._world.metrics()
         harm = m.damaged + m.dropped + m.unripe + m.arm_contacts + m.obstacle_contacts
         return m.picked + self._coverage() - 0.5 * harm
-
-    def _drive_to_start(self) -> None:
-        """On its own tracks and lift, as everything the robot does; none of it counts."""
-        start = self.scenario.start
-        if start.beside_fruit is None:
-            return
-        fruit = next((f for f in self._world.fruits if f.name == start.beside_fruit), None)
-        if fruit is None:
-            names = ", ".join(f.name for f in self._world.fruits)
-            raise RobotError(f"scenario {self.scenario.name}: no fruit '{start.beside_fruit}'; there are: {names}")
-        x_m, lift_m = standing_place(fruit, self.scenario.robot)
-        x_m -= start.off_m
-        most = 0.5 * self.scenario.robot.chassis.drive_m_s
-        state = self._world.state()
-        while state.sim_time_s < PATIENCE_S:
-            ahead = x_m - state.base_x_m
-            there = abs(ahead) < ARRIVED_M and abs(state.drive_m_s) < ARRIVED_M
-            if there and abs(state.joint_rad["lift"] - lift_m) < ARRIVED_M:
-                return
-            drive = 0.0 if abs(ahead) < ARRIVED_M else min(max(DRIVE_GAIN_1_S * ahead, -most), most)
-            state = self._world.step(RobotCommand(t_ns=0, drive_m_s=drive, lift_m=lift_m), self.period_s)

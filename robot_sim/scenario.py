@@ -8,29 +8,18 @@ from typing import Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from robot_sim.commands import ArmTarget, Liquid
+from robot_sim.commands import Liquid
 from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
 from robot_sim.metrics import RunMetrics
-from robot_sim.plants import Fruit
-from robot_sim.reach import hand_in_base
 from robot_sim.section import RobotSection
-from robot_sim.urdf_parts_tools import GRIP_M
+from robot_sim.standing import PICK_POSE, standing_place
+from robot_sim.start_config import Start
+
+__all__ = ["PICK_POSE", "Goal", "Scenario", "Start", "bundled", "load_scenario", "standing_place"]
 
 BUNDLED = Path(__file__).parent / "scenarios"
-PICK_POSE = ArmTarget(45.0, 0.0, 135.0)
-"""The right arm round a fruit, in the operator's steps: upper arm half raised, forearm level."""
-GRIP_UNDER_TOP_M = 0.05
-"""Where along a fruit the pads close: clear of its top, with the peduncle between the blades."""
-
 Vec = tuple[float, float, float]
-
-
-class Start(RobotSection):
-    """Where the robot stands. Without a fruit: at the origin, lift at home."""
-
-    beside_fruit: str | None = Field(default=None, description="fruit that the gripper would reach [name]")
-    off_m: float = Field(default=0.0, ge=-2.0, le=2.0, description="how far before that place the robot stands [m]")
 
 
 class Goal(RobotSection):
@@ -75,6 +64,11 @@ class Scenario(RobotSection):
     goal: Goal = Field(default_factory=Goal)
     robot: RobotConfig = Field(default_factory=RobotConfig)
 
+    @property
+    def robot_config(self) -> RobotConfig:
+        """The robot with its place at the start."""
+        return self.robot.model_copy(update={"start": self.start})
+
 
 def bundled() -> tuple[str, ...]:
     """Names of the scenarios that come with the package."""
@@ -96,11 +90,3 @@ def load_scenario(name_or_path: str) -> Scenario:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
         raise RobotError(f"{path.name}: {where or 'scenario'}: {first['msg']}") from None
-
-
-def standing_place(fruit: Fruit, config: RobotConfig) -> tuple[float, float]:
-    """x of the robot and height of its lift [m] from which the pick pose reaches a fruit of the left row."""
-    x, _, z = hand_in_base("right", PICK_POSE, GRIP_M, 0.0, 0.0, config)
-    lift = fruit.xyz_m[2] + fruit.top_m - GRIP_UNDER_TOP_M - float(z)
-    limits = config.body.lift
-    return fruit.xyz_m[0] - float(x), min(max(lift, limits.lower), limits.upper)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from robot_sim.commands import RobotCommand
 from robot_sim.config import RobotConfig
+from robot_sim.events import RobotEvent
 from robot_sim.metrics import RunMetrics
 from robot_sim.plants import Fruit
 from robot_sim.primitives import Primitive
@@ -51,6 +52,10 @@ class RobotLink(Protocol):
 
     def estop_reset(self) -> RobotState:
         """Release the emergency stop."""
+
+    @property
+    def events(self) -> tuple[RobotEvent, ...]:
+        """What happened in the last step, as far as the link can tell."""
 
     def metrics(self) -> RunMetrics:
         """What the run has come to since the last reset, as far as the link can tell."""

@@ -13,6 +13,7 @@ from robot_sim.actuators import JOINTS
 from robot_sim.commands import RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
+from robot_sim.events import RobotEvent
 from robot_sim.limiter import advance, home_setpoints, latch_estop, resolve
 from robot_sim.link.serial_port import SerialLines
 from robot_sim.link.servo_protocol import (
@@ -151,6 +152,11 @@ class SerialRobot:
         if fault is None:
             self._setpoints = latch_estop(self._setpoints, False)
         return self.state()
+
+    @property
+    def events(self) -> tuple[RobotEvent, ...]:
+        """Nothing tells of any."""
+        return ()
 
     def metrics(self) -> RunMetrics:
         """Time, distance and turning by dead reckoning; nothing else is measured."""

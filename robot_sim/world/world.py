@@ -22,6 +22,7 @@ from robot_sim.primitives import Primitive
 from robot_sim.reasons import RobotReason
 from robot_sim.servo import driven, exact
 from robot_sim.spray import LIQUIDS, SprayState, canopy, coverage, fresh, missed_share, spray, wet_share, wrong_share
+from robot_sim.standing import standing_place
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.urdf_parts_tools import NOZZLE_M
@@ -41,6 +42,8 @@ TICK_HZ = 240
 TICK_S = 1.0 / TICK_HZ
 """PyBullet's own default, on which its solver's settings rest."""
 CUTTER = JOINT_INDEX["cutter"]
+START_PERIOD_S, START_GAIN_1_S, START_PATIENCE_S, ARRIVED_M = 1.0 / 30.0, 2.0, 60.0, 0.003
+"""How the robot goes to its place before a run begins."""
 
 
 class World:
@@ -294,6 +297,26 @@ class World:
         # the chassis settles on its tracks before anybody looks
         for _ in range(TICK_HZ // 4):
             self._tick()
+        self._log = RunLog(self.state())
+        if self.config.start.beside_fruit is not None:
+            self._go_to_start(self.config.start.beside_fruit, self.config.start.off_m)
+
+    def _go_to_start(self, name: str, off_m: float) -> None:
+        """On its own tracks and lift, as everything the robot does; none of it counts."""
+        fruit = next((f for f in self.fruits if f.name == name), None)
+        if fruit is None:
+            names = ", ".join(f.name for f in self.fruits)
+            raise RobotError(f"robot.start: no fruit '{name}'; there are: {names}")
+        x_m, lift_m = standing_place(fruit, self.config)
+        most, state = 0.5 * self.config.chassis.drive_m_s, self.state()
+        while state.sim_time_s < START_PATIENCE_S:
+            ahead = x_m - off_m - state.base_x_m
+            there = abs(ahead) < ARRIVED_M and abs(state.drive_m_s) < ARRIVED_M
+            if there and abs(state.joint_rad["lift"] - lift_m) < ARRIVED_M:
+                break
+            drive = 0.0 if abs(ahead) < ARRIVED_M else min(max(START_GAIN_1_S * ahead, -most), most)
+            state = self.step(RobotCommand(t_ns=0, drive_m_s=drive, lift_m=lift_m), START_PERIOD_S)
+        self._ticks, self._carried_s, self._reasons = 0, 0.0, ()
         self._log = RunLog(self.state())
 
     def _build(self) -> None:

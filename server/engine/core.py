@@ -281,7 +281,8 @@ class Core:
     def _told(
         self, events: tuple[Event, ...], command: RobotCommand, robot: RobotState, now_s: float
     ) -> tuple[Event, ...]:
-        """The step's events, with one for every reason of command or robot that begins now."""
+        """The step's events, with one for every reason of command or robot that begins now, and what the robot did."""
+        events = (*events, *(Event(self._t_ns, "robot", f"robot.{e.kind}", e.subject) for e in self.world.events))
         codes = (*command.reasons, *robot.reasons)
         begun, self._onsets = step_onsets(self._onsets, codes, events, self._t_ns, now_s)
         return (*events, *begun)

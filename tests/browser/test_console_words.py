@@ -8,6 +8,7 @@ import re
 import pytest
 from console_server import ROOT
 
+from robot_sim.events import RobotEventKind
 from robot_sim.pick.run import Stage
 from robot_sim.reasons import RobotReason
 from server.wire_types import typescript
@@ -29,6 +30,7 @@ def codes_in_sources() -> set[str]:
 def test_every_reason_has_words(language: str) -> None:
     keys = set(KEY.findall((LANGUAGES / f"{language}.ts").read_text(encoding="utf-8")))
     codes = {*map(str, Reason), *map(str, RobotReason), *codes_in_sources(), *(f"assist.{stage}" for stage in Stage)}
+    codes |= {f"robot.{kind}" for kind in RobotEventKind}
     assert len(codes) > len(Reason)
     assert [code for code in sorted(codes) if f"reason.{code}" not in keys] == []
 

@@ -38,7 +38,10 @@ def test_what_the_server_recorded_replays_bit_for_bit(tmp_path: Path) -> None:
         done(api, "/robot/command", {"lift_m": 0.25, "drive_m_s": 0.1, "for_s": 0.5})
         wait_for(api, 1.0)
         done(api, "/replay/pause")
-        time.sleep(0.8)  # the watchdog holds, then stops
+        end_s = time.monotonic() + DEADLINE_S
+        while "stop.no_frame" not in api.get("/state").json()["reasons"]:  # the watchdog holds, then stops
+            assert time.monotonic() < end_s
+            time.sleep(0.02)
         done(api, "/replay/play")
         wait_for(api, 1.4)
         done(api, "/estop")

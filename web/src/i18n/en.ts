@@ -451,4 +451,11 @@ export const en = {
   "reason.pick.not_gripped": "The gripper closed beside the fruit",
   "reason.pick.lost": "The fruit slipped out of the gripper",
   "reason.pick.not_boxed": "The fruit fell beside the box",
+  "reason.robot.cut": "Peduncle cut",
+  "reason.robot.boxed": "Fruit in the box",
+  "reason.robot.dropped": "Fruit on the floor",
+  "reason.robot.damaged": "Fruit bruised",
+  "reason.robot.arm_contact": "Two parts of the robot touch",
+  "reason.robot.obstacle": "The robot ran into something",
+  "reason.robot.tank_empty": "A tank is empty",
 } as const;

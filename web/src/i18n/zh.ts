@@ -429,4 +429,11 @@ export const zh: Record<keyof typeof en, string> = {
   "reason.pick.not_gripped": "手爪没有夹住果实",
   "reason.pick.lost": "果实从手爪滑落",
   "reason.pick.not_boxed": "果实落在箱外",
+  "reason.robot.cut": "果柄已剪断",
+  "reason.robot.boxed": "果实已入箱",
+  "reason.robot.dropped": "果实落地",
+  "reason.robot.damaged": "果实受损",
+  "reason.robot.arm_contact": "机器人部件相互接触",
+  "reason.robot.obstacle": "机器人碰到障碍",
+  "reason.robot.tank_empty": "药箱已空",
 };
