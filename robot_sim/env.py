@@ -97,9 +97,7 @@ class GreenhouseEnv:
         self._world.close()
 
     def _coverage(self) -> float:
-        goal = self.scenario.goal
-        liquid = goal.liquid_kind
-        return 0.0 if liquid is None else self._world.coverage(liquid, goal.low_m, goal.high_m)
+        return self.scenario.goal.wet(self._world.coverage)
 
     def _info(self) -> Info:
         metrics = self._world.metrics()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Literal, Self
 
@@ -46,6 +47,11 @@ class Goal(RobotSection):
             return False
         ripe = self.unripe is None or metrics.unripe <= self.unripe
         return metrics.picked >= self.picked and ripe and coverage >= self.coverage
+
+    def wet(self, coverage: Callable[[Liquid, Vec, Vec], float]) -> float:
+        """Wet share 0..1 of the window, as ``World.coverage`` tells it; 0 for a goal without a liquid."""
+        liquid = self.liquid_kind
+        return 0.0 if liquid is None else coverage(liquid, self.low_m, self.high_m)
 
     @property
     def liquid_kind(self) -> Liquid | None:

@@ -95,7 +95,7 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
     tracker = BodyTracker(load_model(settings.model), settings.teleop.body)
     tell("building the greenhouse" if settings.drives == "pybullet:" else "calling the robot")
     with quiet_output():
-        world = open_robot(settings.drives, settings.robot)
+        world = open_robot(settings.drives, settings.robot, settings.seed)
     tokens, shown = load_tokens(settings.access.file, renew=new_tokens)
     hub = Hub(settings.stream.max_clients, settings.stream.max_events, settings.stream.history_events)
     for line in repair_folder(settings.library):

@@ -12,6 +12,7 @@ from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict
 
 from robot_sim.config import RobotConfig
+from robot_sim.scenario import load_scenario
 from server.errors import SettingsError
 from server.refusals import explain
 from teleop.config import OperatorConfig, TeleopConfig
@@ -137,6 +138,10 @@ class Settings(Section):
         default="pybullet:",
         description="the robot: pybullet: (simulation) or serial:PORT (servo controller, docs/servo_protocol.md)",
     )
+    scenario: str = Field(
+        default="", description="run to play: a bundled scenario's name or a TOML file; it brings robot, crop and start"
+    )
+    seed: int = Field(default=0, ge=0, le=2**31, description="decides the crop and how droplets fly")
     loop: bool = Field(default=True, description="start a recorded source again at its end")
     foxglove: bool = Field(default=False, description="open Foxglove's websocket on this machine (loopback)")
     foxglove_port: int = Field(default=8765, ge=0, le=65535, description="TCP port of Foxglove's websocket; 0: any")
@@ -171,12 +176,14 @@ class Settings(Section):
 def load_settings(config_file: Path | None = None, flags: Mapping[str, Any] | None = None) -> Settings:
     """Read the settings. ``flags`` holds those given on the command line (None = not given).
 
-    Raises SettingsError with one line that names the setting and its legal range.
+    Raises SettingsError with one line that names the setting and its legal range, RobotError for a scenario that is
+    not there or not sound.
     """
     tree = _read_toml(config_file) if config_file else {}
     settings = _validated(tree)
     given = {key: value for key, value in (flags or {}).items() if value is not None}
-    return changed(settings, given) if given else settings
+    settings = changed(settings, given) if given else settings
+    return _with_scenario(settings) if settings.scenario else settings
 
 
 def changed(settings: Settings, patch: Mapping[str, Any]) -> Settings:
@@ -186,6 +193,16 @@ def changed(settings: Settings, patch: Mapping[str, Any]) -> Settings:
         return Settings.model_validate(merged)
     except ValidationError as error:
         raise SettingsError(explain(error, Settings)) from error
+
+
+def _with_scenario(settings: Settings) -> Settings:
+    """The settings with robot and seed of their scenario. Raises RobotError for one that is not there or not sound."""
+    if settings.drives != "pybullet:":
+        raise SettingsError(f"a scenario needs the simulation, not {settings.drives}; leave out one of the two")
+    if settings.robot != RobotConfig():
+        raise SettingsError(f"scenario '{settings.scenario}' brings its own robot; move the settings 'robot' into it")
+    scenario = load_scenario(settings.scenario)
+    return settings.model_copy(update={"robot": scenario.robot_config, "seed": scenario.seed})
 
 
 def with_operator(settings: Settings, name: str | None) -> Settings:

@@ -27,8 +27,9 @@ KINDS: Final = frozenset({"hold", "stop", "refused", "limit"})
 
 @dataclass(frozen=True, slots=True)
 class Onsets:
-    """When each code was last in force [s]."""
+    """When each code was last in force [s], and which were at the last step."""
 
+    codes: frozenset[str] = frozenset()
     last_s: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
@@ -41,10 +42,12 @@ def step_onsets(
     """
     known = {str(event.reason) for event in told}
     events: list[Event] = []
-    last = {code: seen for code, seen in onsets.last_s.items() if now_s - seen < QUIET_S}
-    for code in dict.fromkeys(map(str, codes)):
+    # a step that comes late, on a busy machine, makes nothing begin anew
+    last = {c: seen for c, seen in onsets.last_s.items() if c in onsets.codes or now_s - seen < QUIET_S}
+    now = dict.fromkeys(map(str, codes))
+    for code in now:
         kind = code.partition(".")[0]
         if kind in KINDS and code not in ROUTINE and code not in last and code not in known:
             events.append(Event(t_ns, kind, code))
         last[code] = now_s
-    return tuple(events), Onsets(MappingProxyType(last))
+    return tuple(events), Onsets(frozenset(now), MappingProxyType(last))

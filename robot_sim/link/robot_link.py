@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robot_sim.commands import RobotCommand
+from robot_sim.commands import Liquid, RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.events import RobotEvent
 from robot_sim.metrics import RunMetrics
@@ -56,6 +56,9 @@ class RobotLink(Protocol):
     @property
     def events(self) -> tuple[RobotEvent, ...]:
         """What happened in the last step, as far as the link can tell."""
+
+    def coverage(self, liquid: Liquid, low_m: npt.ArrayLike, high_m: npt.ArrayLike) -> float:
+        """Share 0..1 of the leaf area between two corners (3,) [m] that is wet with a liquid, as far as it is known."""
 
     def metrics(self) -> RunMetrics:
         """What the run has come to since the last reset, as far as the link can tell."""

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robot_sim.actuators import JOINTS
-from robot_sim.commands import RobotCommand
+from robot_sim.commands import Liquid, RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.errors import RobotError
 from robot_sim.events import RobotEvent
@@ -157,6 +157,11 @@ class SerialRobot:
     def events(self) -> tuple[RobotEvent, ...]:
         """Nothing tells of any."""
         return ()
+
+    def coverage(self, liquid: Liquid, low_m: npt.ArrayLike, high_m: npt.ArrayLike) -> float:
+        """Nothing tells how wet leaves are."""
+        del liquid, low_m, high_m
+        return 0.0
 
     def metrics(self) -> RunMetrics:
         """Time, distance and turning by dead reckoning; nothing else is measured."""

@@ -35,8 +35,23 @@ class Run(BaseModel):
     wrong_liquid: float = Field(description="share of the spray that hit a leaf which wants another liquid")
 
 
+class RunGoal(BaseModel):
+    """How far the run is towards its scenario's goal."""
+
+    scenario: str
+    reached: bool
+    coverage: float = Field(description="wet share of the leaves in the goal's window, with its liquid")
+    left_s: float = Field(description="simulated time left of the scenario's limit [s]; below 0: it is over")
+
+
+class ScenarioRun(Run):
+    """The run, and how far it is."""
+
+    goal: RunGoal | None = Field(default=None, description="null without a scenario: teleop serve --scenario NAME")
+
+
 class ScenarioInfo(BaseModel):
-    """A scenario that comes with the robot; robot_sim.env plays it, its file is an example for own ones."""
+    """A scenario that comes with the robot: ``teleop serve --scenario NAME`` and robot_sim.env play it."""
 
     name: str
     description: str
@@ -45,23 +60,34 @@ class ScenarioInfo(BaseModel):
     gripper: Literal["long", "soft"]
 
 
-def _run(metrics: RunMetrics) -> Run:
-    return Run.model_validate(metrics, from_attributes=True)
+async def _run(engine: EngineDep, metrics: RunMetrics) -> ScenarioRun:
+    run = ScenarioRun.model_validate(metrics, from_attributes=True)
+    played = engine.scenario
+    if played is None:
+        return run
+    wet = await done(engine.goal_coverage())
+    run.goal = RunGoal(
+        scenario=played.name,
+        reached=played.goal.reached(metrics, wet),
+        coverage=wet,
+        left_s=played.time_limit_s - metrics.time_s,
+    )
+    return run
 
 
 @router.get("/run", responses=documented(503))
-async def read_run(engine: EngineDep) -> Run:
+async def read_run(engine: EngineDep) -> ScenarioRun:
     """Time, fruit, contacts, distance, energy and spray since the last reset."""
-    return _run(await done(engine.metrics()))
+    return await _run(engine, await done(engine.metrics()))
 
 
 @router.post("/run/reset", responses=documented(409, 503))
-async def reset_run(engine: EngineDep) -> Run:
+async def reset_run(engine: EngineDep) -> ScenarioRun:
     """Put the robot and the crop back to their start and count anew; an engaged operator must engage again.
 
     A latched emergency stop stays. Refused (409) while a recording is made: it could not be replayed.
     """
-    return _run(await done(engine.restart_robot()))
+    return await _run(engine, await done(engine.restart_robot()))
 
 
 @router.get("/scenarios")

@@ -63,7 +63,7 @@ def record_session(
     model = load_model(settings.model)
     tracker = BodyTracker(model, settings.teleop.body)
     tracker.warm_up(source.info.camera)
-    world = World(settings.robot)
+    world = World(settings.robot, settings.seed)
     recorder: SessionRecorder | None = None
     problems: list[Event] = []
     count = 0

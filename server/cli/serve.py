@@ -16,6 +16,9 @@ def serve(
     robot: Annotated[
         str | None, typer.Option(help="pybullet: or serial:PORT, a servo controller. [default: pybullet:]")
     ] = None,
+    scenario: Annotated[
+        str | None, typer.Option(help="Run to play: pick_one, spray_square_metre, ..., or a TOML file of your own.")
+    ] = None,
     loop: Annotated[bool | None, typer.Option("--loop/--no-loop", help="Start a recording again at its end.")] = None,
     record: Annotated[bool | None, typer.Option("--record/--no-record", help="Record the session.")] = None,
     foxglove: Annotated[
@@ -41,6 +44,7 @@ def serve(
 
     flags: dict[str, object] = {"host": host, "port": port, "source": source, "loop": loop, "record": record}
     flags |= {"tls_cert": tls_cert, "tls_key": tls_key, "log_format": log_format, "drives": robot}
+    flags |= {"scenario": scenario}
 
     flags |= {"foxglove": foxglove, "foxglove_port": foxglove_port}
 

@@ -16,6 +16,7 @@ from robot_sim.commands import stop_command
 from robot_sim.link.robot_link import RobotLink
 from robot_sim.metrics import RunMetrics
 from robot_sim.pick.plan import warm_up
+from robot_sim.scenario import load_scenario
 from server import wire
 from server.engine.core import Core, Moment
 from server.engine.hello import hello
@@ -59,6 +60,8 @@ class Engine(threading.Thread):
         self._tracker = tracker
         self._core = Core(tracker, world, settings, self.ledger)
         self._scenery = world.scenery()
+        self.scenario = load_scenario(settings.scenario) if settings.scenario else None
+        """The run that is played, if it is one with a goal."""
         self.fruits = world.fruits
         """All fruit as it grew."""
         warm_up(world.config)
@@ -249,6 +252,10 @@ class Engine(threading.Thread):
     def metrics(self) -> Future[RunMetrics]:
         """What the run has come to."""
         return self.call(lambda: self._core.world.metrics())
+
+    def goal_coverage(self) -> Future[float]:
+        """Wet share 0..1 of the leaves in the window of the scenario's goal; 0 without one."""
+        return self.call(lambda: 0.0 if self.scenario is None else self.scenario.goal.wet(self._core.world.coverage))
 
     def restart_robot(self) -> Future[RunMetrics]:
         """The robot back to its start. The future raises Refused (409) while a recording is made."""

@@ -58,7 +58,7 @@ def test_the_nearest_fruit_is_previewed_confirmed_and_boxed(still: Page, server:
     expect(card.locator(".pick-words")).to_have_text("In the box")
     wait_for("the path is gone", lambda: amber(still) < before + 30)
     events = still.locator(".panel-events")
-    for words in ("Path planned", "Pick: cut", "Picked: the fruit is in the box"):
+    for words in ("Path planned Cucumber", "Pick: cut", "Peduncle cut", "Picked: the fruit is in the box"):
         expect(events).to_contain_text(words)
 
 
@@ -139,6 +139,11 @@ def test_an_operator_is_told_what_their_hands_do(still: Page) -> None:
     operator.task = task
     expect(card.locator(".pick-words")).to_contain_text("Close your left fist to start")
     expect(still.get_by_role("button", name="Pick it")).to_be_hidden()
+    still.set_viewport_size({"width": 360, "height": 740})
+    end = card.get_by_role("button", name="End").bounding_box()
+    assert end is not None
+    assert end["x"] >= 0 and end["x"] + end["width"] <= 360
+    still.set_viewport_size({"width": 1280, "height": 800})
     operator.task = task | {"confirmed": True}
     expect(card.locator(".pick-words")).to_have_text("Close your right hand, too")
     operator.task = task | {"status": "running", "stage": "cut", "progress": 0.5}

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import httpx
 import pytest
 from live_server import running
+
+from server.settings import load_settings
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +61,29 @@ def test_no_reset_under_a_recording(api: httpx.Client) -> None:
     assert refused.status_code == 409 and "recording" in refused.json()["detail"]
     api.delete(f"/sessions/{session['id']}")
     assert api.post("/run/reset").status_code == 200
+
+
+def test_a_scenario_is_played_to_its_goal(tmp_path: Path) -> None:
+    settings = load_settings(None, {"scenario": "pick_one", "operators": tmp_path / "operators"})
+    given = {"scenario": settings.scenario, "robot": settings.robot.model_dump(), "seed": settings.seed}
+    with (
+        running(tmp_path, **given) as (url, _),
+        httpx.Client(base_url=f"{url}/api/v1", timeout=60) as api,
+    ):
+        goal = api.get("/run").json()["goal"]
+        assert (goal["scenario"], goal["reached"]) == ("pick_one", False)
+        assert 0.0 < goal["left_s"] <= 60.0
+        fruit = settings.robot.start.beside_fruit
+        task = api.post("/tasks/pick", json={"fruit": fruit}).json()
+        end_s = time.monotonic() + 120.0
+        while (task := api.get(f"/tasks/{task['id']}").json())["ended"] is None:
+            assert time.monotonic() < end_s
+            time.sleep(0.1)
+        assert task["status"] == "succeeded", task["detail"]
+        run = api.get("/run").json()
+        assert (run["picked"], run["goal"]["reached"]) == (1, True)
+        again = api.post("/run/reset").json()
+        assert (again["picked"], again["goal"]["reached"]) == (0, False)
 
 
 def test_the_scenarios_are_listed(api: httpx.Client) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from robot_sim.errors import RobotError
 from server.errors import SettingsError
 from server.settings import Settings, changed, load_settings
 
@@ -46,6 +47,20 @@ def test_a_refused_change_changes_nothing_and_a_good_one_keeps_the_rest() -> Non
     after = changed(settings, {"stream": {"state_hz": 15.0}})
     assert after.stream.state_hz == 15.0
     assert after.stream.model_copy(update={"state_hz": 30.0}) == settings.stream
+
+
+def test_a_scenario_brings_robot_crop_and_start_and_says_what_does_not_go_with_it(tmp_path: Path) -> None:
+    settings = load_settings(None, {"scenario": "pick_grapes"})
+    assert settings.robot.tool.gripper == "soft"
+    assert settings.robot.start.beside_fruit == "grape_3_fruit_0"
+    with pytest.raises(RobotError, match="no scenario 'magnet'; give a TOML file or one of: pick_grapes"):
+        load_settings(None, {"scenario": "magnet"})
+    with pytest.raises(SettingsError, match="needs the simulation"):
+        load_settings(None, {"scenario": "pick_one", "drives": "serial:/dev/null"})
+    file = tmp_path / "teleop.toml"
+    file.write_text('scenario = "pick_one"\n[robot.pick]\nhold_s = 1.0\n')
+    with pytest.raises(SettingsError, match="brings its own robot"):
+        load_settings(file)
 
 
 @pytest.mark.parametrize("content", ["port = ", "\xff\xfe", None])

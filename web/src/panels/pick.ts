@@ -3,6 +3,7 @@
 import { act, notify } from "../act";
 import { api } from "../api";
 import { Attribute, Text, h } from "../dom";
+import { fruitWords } from "../fruit";
 import { type Key, lookup, reasonText, t, titled, translated } from "../i18n";
 import { icon } from "../icons";
 import type { FruitInfo, Hello, State, TaskStage, TaskState } from "../wire";
@@ -84,11 +85,8 @@ export class PickCard {
 
   /** Name, state and ripeness of a fruit for people: "cucumber 2.1". */
   called(name: string): string {
-    const fruit = this.fruits.get(name);
-    const place = /(\d+)_fruit_(\d+)$/.exec(name);
-    if (!fruit || !place) return name;
-    const words = t("task.fruit", { crop: t(`crop.${fruit.crop}`), plant: Number(place[1]) + 1, fruit: Number(place[2]) + 1 });
-    return fruit.ripe ? words : t("task.unripe", { fruit: words });
+    const words = fruitWords(name);
+    return this.fruits.get(name)?.ripe === false ? t("task.unripe", { fruit: words }) : words;
   }
 
   state(state: State, now_ms: number): void {
