@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -57,13 +57,13 @@ def _teleop() -> str:
 
 
 @contextmanager
-def server(source: Path) -> Iterator[tuple[int, psutil.Process]]:
-    """``teleop serve`` on a free port; yields the port and the process."""
+def server(source: Path, environment: Mapping[str, str] | None = None) -> Iterator[tuple[int, psutil.Process]]:
+    """``teleop serve`` on a free port, with more environment variables; yields the port and the process."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     command = [_teleop(), "serve", "--port", str(port), "--source", str(source), "--loop"]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, env={**os.environ, **(environment or {})})
     try:
         for _ in range(600):
             if process.poll() is not None:

@@ -42,21 +42,31 @@ class ChassisConfig(RobotSection):
     wheel_mass_kg: float = Field(
         default=1.6, ge=0.1, le=10.0, description="one road wheel with its part of the track [kg]"
     )
-    track_friction: float = Field(default=0.9, ge=0.1, le=2.0, description="rubber on concrete, middle road wheels [1]")
+    track_friction: float = Field(default=0.9, ge=0.1, le=2.0, description="rubber on concrete, along the tracks [1]")
     scrub_friction: float = Field(
         default=0.05,
         ge=0.0,
         le=1.0,
-        description="outer road wheels, which a turn drags sideways [1]; choice: a crowned "
+        description="outer road wheels across the tracks, which a turn drags sideways [1]; choice: a crowned "
         "band presses least at its ends",
     )
     drive_m_s: float = Field(default=0.5, ge=0.05, le=2.0, description="highest speed [m/s]; walking pace between rows")
     turn_rad_s: float = Field(default=0.8, ge=0.05, le=3.0, description="highest turning rate on the spot [rad/s]")
     drive_m_s2: float = Field(default=0.8, ge=0.05, le=5.0, description="acceleration of driving [m/s2]")
     turn_rad_s2: float = Field(default=1.6, ge=0.05, le=10.0, description="acceleration of turning [rad/s2]")
-    stop_m_s2: float = Field(default=2.0, ge=0.2, le=10.0, description="braking on emergency stop [m/s2]")
+    stop_m_s2: float = Field(default=2.0, ge=0.2, le=10.0, description="braking when told to stand still [m/s2]")
     stop_rad_s2: float = Field(
-        default=4.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]"
+        default=4.0, ge=0.2, le=20.0, description="braking of turning when told to stand still [rad/s2]"
+    )
+    estop_m_s2: float = Field(
+        default=5.0,
+        ge=0.2,
+        le=10.0,
+        description="braking on emergency stop [m/s2]; the tracks grip up to 8.8 and with the lift up, arms ahead, the "
+        "robot tips from 6 on",
+    )
+    estop_rad_s2: float = Field(
+        default=12.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]"
     )
     motor_nm: float = Field(
         default=40.0, ge=1.0, le=500.0, description="torque of one track's motor at its wheels [Nm]"

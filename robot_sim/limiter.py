@@ -234,13 +234,19 @@ def latch_estop(previous: Setpoints, on: bool) -> Setpoints:
 def _advance_chassis(
     previous: Setpoints, goals: Goals, dt_s: float, config: RobotConfig, reasons: dict[str, None]
 ) -> tuple[float, float]:
-    """Drive and turn speeds with bounded acceleration; a stop brakes harder than driving does."""
+    """Drive and turn speeds with bounded acceleration; a stop brakes harder than driving does, an e-stop hardest."""
     chassis = config.chassis
+    estop = previous.estop
     pairs = (
-        (previous.drive_m_s, goals.drive_m_s, chassis.drive_m_s2, chassis.stop_m_s2),
-        (previous.turn_rad_s, goals.turn_rad_s, chassis.turn_rad_s2, chassis.stop_rad_s2),
+        (previous.drive_m_s, goals.drive_m_s, chassis.drive_m_s2, chassis.estop_m_s2 if estop else chassis.stop_m_s2),
+        (
+            previous.turn_rad_s,
+            goals.turn_rad_s,
+            chassis.turn_rad_s2,
+            chassis.estop_rad_s2 if estop else chassis.stop_rad_s2,
+        ),
     )
-    stopping = previous.estop or goals.stand_still
+    stopping = estop or goals.stand_still
     speeds = []
     for now, goal, rate, stop_rate in pairs:
         goal, rate = (0.0, stop_rate) if stopping else (goal, rate)

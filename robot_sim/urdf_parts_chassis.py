@@ -32,8 +32,12 @@ def chassis(config: RobotConfig) -> list[Link | Joint]:
     for side, sign in (("left", 1.0), ("right", -1.0)):
         for i, x in enumerate(wheel_positions_m(config)):
             name = f"wheel_{side}_{i}"
-            parts += [_wheel(name, sign, i == 1, config), _axle(name, (x, sign * track_offset_m(c), c.wheel_radius_m))]
+            parts += [_wheel(name, sign, config), _axle(name, (x, sign * track_offset_m(c), c.wheel_radius_m))]
     return parts
+
+
+OUTER_WHEELS = tuple(f"wheel_{side}_{i}" for side in ("left", "right") for i in (0, 2))
+"""These are dragged sideways in a turn."""
 
 
 def wheel_positions_m(config: RobotConfig) -> tuple[float, float, float]:
@@ -107,7 +111,7 @@ def _tracks(config: RobotConfig) -> list[Shape]:
     return shapes
 
 
-def _wheel(name: str, sign: float, grips: bool, config: RobotConfig) -> Link:
+def _wheel(name: str, sign: float, config: RobotConfig) -> Link:
     c = config.chassis
     r, w = c.wheel_radius_m, c.track_width_m
     y = sign * (0.5 * w + 0.004)
@@ -116,9 +120,8 @@ def _wheel(name: str, sign: float, grips: bool, config: RobotConfig) -> Link:
         box(r * 0.80, 0.014, r * 0.14, (0.0, y + sign * 0.001, 0.0), "graphite"),
         box(r * 0.14, 0.014, r * 0.80, (0.0, y + sign * 0.001, 0.0), "graphite"),
     )
-    # a sphere touches the floor in one point; the middle wheels carry the grip, the outer ones slide in a turn
-    friction = c.track_friction if grips else c.scrub_friction
-    contact = f'<lateral_friction value="{friction:.6g}"/>'
+    # a sphere touches the floor in one point
+    contact = f'<lateral_friction value="{c.track_friction:.6g}"/>'
     touching = (Shape("sphere", (r,)),)
     return Link(name, c.wheel_mass_kg, (2 * r, w, 2 * r), visuals=visuals, collisions=touching, contact_xml=contact)
 

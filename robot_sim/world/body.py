@@ -15,6 +15,7 @@ from robot_sim.actuators import JOINTS, WHEELS, axes
 from robot_sim.config import RobotConfig
 from robot_sim.limiter import Setpoints
 from robot_sim.urdf import robot_urdf
+from robot_sim.urdf_parts_chassis import OUTER_WHEELS
 from robot_sim.world.client import Client
 
 F64 = npt.NDArray[np.float64]
@@ -80,6 +81,10 @@ class RobotBody:
         self._ones = [1.0] * len(JOINTS)
         self._radius = config.chassis.wheel_radius_m
         self._wheel_efforts = [config.chassis.motor_nm / 3.0] * len(WHEELS)
+        # across the tracks, along a wheel's own y; a URDF knows one friction for all directions
+        across = config.chassis.scrub_friction / config.chassis.track_friction
+        for name in OUTER_WHEELS:
+            client.changeDynamics(self.id, self.links[name], anisotropicFriction=[1.0, across, 1.0])
         self.set_joints([(axis.home, 0.0) for axis in axes(config)])
 
     def follow(self, setpoints: Setpoints, driven: Sequence[float], left_m_s: float, right_m_s: float) -> None:

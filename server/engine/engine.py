@@ -73,6 +73,7 @@ class Engine(threading.Thread):
         self._sessions: deque[Session] = deque(maxlen=_KEPT_SESSIONS)
         self._switching = threading.Lock()
         self._stopping = False
+        self._pressed = False
         self._opened_by = (-math.inf, "")
         self._head_s = 0.0
         self._reported: str | None = None
@@ -202,8 +203,13 @@ class Engine(threading.Thread):
         return self.call(work)
 
     def estop(self, on: bool) -> Future[None]:
-        """Latch the emergency stop, or release it."""
-        return self.call(self._core.estop if on else self._core.estop_reset)
+        """Latch the emergency stop, or release it. A stop is followed at once: it waits for no frame and no tick."""
+
+        def work() -> None:
+            (self._core.estop if on else self._core.estop_reset)()
+            self._pressed |= on
+
+        return self.call(work)
 
     def ask(self, request: RobotRequest, for_s: float) -> Future[None]:
         """Direct control; speeds are repeated for ``for_s`` seconds."""
@@ -304,6 +310,9 @@ class Engine(threading.Thread):
                 arrived = self._mailbox.take(ticks.due_s - time.monotonic())
                 while self._calls:
                     self._calls.popleft()()
+                if self._pressed:
+                    self._pressed = False
+                    self._publish(self._on_silence())  # the robot brakes before the next picture is looked at
                 if arrived is not None:
                     self._publish(self._on_frame(arrived))
                     ticks.frame(arrived.received_s, time.monotonic())

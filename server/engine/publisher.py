@@ -55,6 +55,7 @@ class Publisher:
         self._seq = 0
         self._state_s = self._fresh_s = self._image_s = 0.0
         self._coverage_s = 0.0
+        self._estop = False
         self._wet: dict[str, tuple[float, float, float]] = {}
         self._current: Moment | None = None
         self.session: Session | None = None
@@ -78,9 +79,12 @@ class Publisher:
         self._preview(moment.assist)
         with self._lock:
             self._current = moment
+        pressed = moment.robot.estop != self._estop
         # frames jitter: a state may come a little early rather than a whole frame late; ticks never displace a frame
-        if now_s - (self._fresh_s if moment.fresh else self._state_s) < 0.6 / self._config.state_hz:
+        early = now_s - (self._fresh_s if moment.fresh else self._state_s) < 0.6 / self._config.state_hz
+        if early and not pressed:  # that the robot is stopped, or free again, is told at once
             return
+        self._estop = moment.robot.estop
         self._state_s = now_s
         self._fresh_s = now_s if moment.fresh else self._fresh_s
         self._seq += 1

@@ -70,7 +70,8 @@ def test_every_tick_stays_inside_range_speed_and_acceleration(script: list[tuple
                 assert abs(p - p0) <= a.speed * DT + 1e-12, axis.name
                 assert abs(v - v0) <= a.acceleration * DT + 1e-9, axis.name
             assert abs(now.drive_m_s) <= chassis.drive_m_s and abs(now.turn_rad_s) <= chassis.turn_rad_s
-            assert abs(now.drive_m_s - before.drive_m_s) <= chassis.stop_m_s2 * DT + 1e-12
+            braking = chassis.estop_m_s2 if estop else chassis.stop_m_s2
+            assert abs(now.drive_m_s - before.drive_m_s) <= braking * DT + 1e-12
             assert not (now.spray_on and estop)
 
 

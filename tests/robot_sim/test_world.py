@@ -164,6 +164,15 @@ def test_emergency_stop_stops_everything_until_reset(world: World) -> None:
     assert run(world, 1.0, drive_m_s=0.3).drive_m_s == pytest.approx(0.3, abs=0.03)
 
 
+@pytest.mark.parametrize("motion", [{"drive_m_s": 0.3}, {"drive_m_s": -0.3}, {"turn_rad_s": 0.8}])
+def test_emergency_stop_brings_the_tracks_to_rest_within_80_ms(world: World, motion: dict[str, float]) -> None:
+    run(world, 1.0, **motion)
+    world.estop()
+    state = world.step(RobotCommand(t_ns=0, **motion), 0.08)  # type: ignore[arg-type]
+    assert abs(state.drive_m_s) < 0.01
+    assert abs(state.turn_rad_s) < 0.01
+
+
 def test_a_stop_command_stops_a_moving_lift_and_a_plain_hold_does_not(world: World) -> None:
     run(world, 0.5, lift_m=0.4)
     world.step(stop_command(0, "stop.body"), FRAME_S)
