@@ -20,7 +20,7 @@ from teleop.modes import ACTING
 from teleop.people.builtin import builtin_body
 from teleop.people.clothes import dress, random_wardrobe
 from teleop.people.motion import Key, Motion
-from teleop.people.performance import Performance
+from teleop.people.performance import Performance, Stage
 from teleop.people.room import greenhouse_room
 from teleop.people.shape import Shape
 from teleop.people.story import OPEN, Chapter, arm, beside_head, hanging
@@ -85,7 +85,8 @@ def rendered(seed: int) -> Iterator[tuple[DepthFrame, str | None]]:
         SENSOR_HEIGHT_M + float(rng.uniform(-0.1, 0.1)), SENSOR_TILT_RAD + float(rng.uniform(-0.04, 0.04))
     )
     worn = dress(body, random_wardrobe(rng), seed)
-    stage = Performance(body, worn, motion, greenhouse_room(seed), view, Camera(kinect_v1(*SIZE)), FPS, seed=seed)
+    camera = Camera(kinect_v1(*SIZE))
+    stage = Performance(Stage(body, worn, greenhouse_room(seed), view, camera, seed=seed), motion, FPS)
     for number in range(stage.frame_count):
         take = stage.take(number)
         mode = truth_row(take, chapters, view)["mode"]

@@ -27,12 +27,14 @@ from server.api import (
     operators,
     problems,
     push,
+    recording_jobs,
     recordings,
     replay,
     runs,
     sessions,
     stream,
     tasks,
+    virtual,
 )
 from server.api.guard import Guard
 from server.engine.engine import Engine
@@ -61,7 +63,7 @@ def create_app(
     read: reads the settings again for a reload; by default they stay what they are.
     """
     desk = Desk(tokens, settings.access, settings.port, engine.publisher.announce, engine.audit)
-    jobs_kept = Jobs()
+    jobs_kept = Jobs(files_in=lambda: _beside(library.folder))
     lag = LoopLag()
     measured = metrics.EngineMetrics(engine, hub, desk, jobs_kept, lag)
 
@@ -102,11 +104,13 @@ def create_app(
         runs,
         replay,
         recordings,
+        recording_jobs,
         motions,
         sessions,
         jobs,
         stream,
         push,
+        virtual,
     )
     for part in parts:
         api.include_router(part.router)
@@ -125,6 +129,12 @@ def create_app(
     )
     app.add_middleware(metrics.Requests, counts=measured.requests, seconds=measured.seconds)
     return app
+
+
+def _beside(library: Path) -> Path:
+    """Where jobs keep their files: on the disk of the recordings, whatever room the system's own folder has."""
+    library.parent.mkdir(parents=True, exist_ok=True)
+    return library.parent
 
 
 def _disengage(engine: Engine) -> None:

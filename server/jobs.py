@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import logging
+import shutil
+import tempfile
 import threading
 import time
 import uuid
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, Field
@@ -44,9 +47,17 @@ class JobCancelled(Exception):
 class JobProgress:
     """What the work of a job is given: it tells how far it is and learns whether it should go on."""
 
-    def __init__(self, change: Callable[[Mapping[str, Any]], None], stop: threading.Event) -> None:
+    def __init__(
+        self, change: Callable[[Mapping[str, Any]], None], stop: threading.Event, folder: Callable[[], Path]
+    ) -> None:
         self._change = change
         self._stop = stop
+        self._folder = folder
+
+    @property
+    def folder(self) -> Path:
+        """Where the job leaves a file that its result names as ``file``; made when it is asked for."""
+        return self._folder()
 
     @property
     def cancelled(self) -> bool:
@@ -64,10 +75,15 @@ Work = Callable[[JobProgress], Mapping[str, Any]]
 
 
 class Jobs:
-    """All jobs of a server, in memory. Thread-safe."""
+    """All jobs of a server, in memory, their files in a folder that goes with the server. Thread-safe."""
 
-    def __init__(self, workers: int = 2, kept: int = 100, waiting: int = 50) -> None:
-        """kept: finished jobs remembered. waiting: unfinished jobs at one time."""
+    def __init__(
+        self, workers: int = 2, kept: int = 100, waiting: int = 50, files_in: Callable[[], Path | None] = lambda: None
+    ) -> None:
+        """kept: finished jobs remembered. waiting: unfinished jobs at one time. files_in: the folder for their files,
+        asked for with the first of them; None: the system's for temporary files."""
+        self._files_in = files_in
+        self._files: Path | None = None
         self._pool = ThreadPoolExecutor(workers, thread_name_prefix="job")
         self._kept = kept
         self._waiting = waiting
@@ -86,6 +102,7 @@ class Jobs:
             finished = [key for key in self._jobs if key not in self._stops]
             for key in finished[: max(0, len(finished) - self._kept)]:
                 del self._jobs[key]
+                self._drop_files(key)
         self._pool.submit(self._run, job.id, work, stop)
         return job
 
@@ -103,7 +120,7 @@ class Jobs:
         return job
 
     def cancel(self, job_id: str) -> Job:
-        """Tell a job to end; a finished one stays as it is. Raises Refused (404)."""
+        """Tell a job to end; a finished one stays as it is, but its file is removed. Raises Refused (404)."""
         job = self.find(job_id)
         with self._lock:
             stop = self._stops.get(job_id)
@@ -111,7 +128,20 @@ class Jobs:
                 stop.set()
                 if job.status == "queued":
                     self._finish(job_id, {"status": "cancelled"})
+            else:
+                self._drop_files(job_id)
         return self.find(job_id)
+
+    def file(self, job_id: str) -> Path:
+        """The file that a job made. Raises Refused: 404 unknown, or no file; 409 not done yet."""
+        job = self.find(job_id)
+        if job.ended is None:
+            raise Refused(409, f"job '{job_id}' is at {100 * job.progress:.0f} %; ask again when its status is done")
+        name = (job.result or {}).get("file")
+        path = None if name is None or self._files is None else self._files / job_id / str(name)
+        if path is None or not path.is_file():
+            raise Refused(404, f"job '{job_id}' has no file (any more)")
+        return path
 
     def close(self) -> None:
         """Tell all jobs to end and wait for those that run."""
@@ -119,6 +149,8 @@ class Jobs:
             for stop in self._stops.values():
                 stop.set()
         self._pool.shutdown(wait=True, cancel_futures=True)
+        if self._files is not None:
+            shutil.rmtree(self._files, ignore_errors=True)
 
     def _run(self, job_id: str, work: Work, stop: threading.Event) -> None:
         if stop.is_set():
@@ -126,7 +158,8 @@ class Jobs:
         self._change(job_id, {"status": "running", "started": time.time()})
         end: dict[str, Any]
         try:
-            result = dict(work(JobProgress(lambda told: self._change(job_id, told), stop)))
+            progress = JobProgress(lambda told: self._change(job_id, told), stop, lambda: self._folder(job_id))
+            result = dict(work(progress))
             end = {"status": "done", "progress": 1.0, "result": result}
         except JobCancelled:
             end = {"status": "cancelled"}
@@ -139,6 +172,20 @@ class Jobs:
             raise
         with self._lock:
             self._finish(job_id, end)
+            if end["status"] != "done":
+                self._drop_files(job_id)
+
+    def _folder(self, job_id: str) -> Path:
+        with self._lock:
+            if self._files is None:
+                self._files = Path(tempfile.mkdtemp(prefix="teleop-jobs-", dir=self._files_in()))
+        folder = self._files / job_id
+        folder.mkdir(exist_ok=True)
+        return folder
+
+    def _drop_files(self, job_id: str) -> None:
+        if self._files is not None:
+            shutil.rmtree(self._files / job_id, ignore_errors=True)
 
     def _change(self, job_id: str, told: Mapping[str, Any]) -> None:
         with self._lock:

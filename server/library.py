@@ -35,6 +35,11 @@ class Library:
         self._max_bytes = max_bytes
         self._durations: dict[tuple[Path, float], float | None] = {}
 
+    @property
+    def folder(self) -> Path:
+        """Where own recordings lie."""
+        return self._own
+
     def entries(self) -> list[Entry]:
         """Bundled ones first, then the newest own."""
         own = sorted(self._scan(self._own, bundled=False), key=lambda e: -e.modified_s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fastapi import APIRouter
+from fastapi.responses import FileResponse
 
 from server.api.deps import JobsDep
 from server.api.problems import documented
@@ -23,7 +24,14 @@ def read_job(jobs: JobsDep, job_id: str) -> Job:
     return jobs.find(job_id)
 
 
+@router.get("/{job_id}/file", response_class=FileResponse, responses=documented(404, 409))
+def download_job_file(jobs: JobsDep, job_id: str) -> FileResponse:
+    """The file that a job has made, such as an export."""
+    path = jobs.file(job_id)
+    return FileResponse(path, media_type="application/octet-stream", filename=path.name)
+
+
 @router.delete("/{job_id}", responses=documented(404))
 def cancel_job(jobs: JobsDep, job_id: str) -> Job:
-    """Tell a job to end; cancelling twice, or a finished one, does no harm."""
+    """Tell a job to end, or remove the file of a finished one; doing so twice does no harm."""
     return jobs.cancel(job_id)

@@ -140,6 +140,30 @@ class Recording(BaseModel):
     duration_s: float | None = Field(description="null when the file cannot be read")
 
 
+class StoryEvent(BaseModel):
+    """An event of the recorded session. position_s: seconds after the first frame [s]."""
+
+    position_s: float
+    kind: str
+    reason: str
+    detail: str = ""
+
+
+class StoryMode(BaseModel):
+    """From a position on, until the next one: the operator's mode."""
+
+    position_s: float
+    mode: str
+
+
+class Story(BaseModel):
+    """What a recording says happened; empty where only frames were recorded."""
+
+    duration_s: float
+    events: list[StoryEvent] = Field(description="oldest first; evenly thinned out beyond a thousand")
+    modes: list[StoryMode] = Field(description="changes of the mode, oldest first")
+
+
 class SessionAsk(BaseModel):
     """What to read."""
 
@@ -169,6 +193,27 @@ class SessionState(BaseModel):
     duration_s: float | None
     recording: str | None = Field(description="name of the recording being or having been made")
     fault: str | None
+
+
+class VirtualArm(BaseModel):
+    """How an arm of the rendered operator is held."""
+
+    side_deg: float = Field(description="upper arm raised to the side, theta1 [deg]")
+    front_deg: float = Field(description="upper arm raised to the front, theta2 [deg]")
+    elbow_deg: float = Field(description="inner angle of the elbow, 180 straight, theta3 [deg]")
+    hand: Literal["open", "relaxed", "fist"]
+
+
+class VirtualOperator(BaseModel):
+    """What the rendered operator of ``virtual:live`` is told to do; the state tells where they are seen."""
+
+    x_m: float = Field(description="place on the floor, operator's right positive [m]")
+    z_m: float = Field(description="distance from the sensor [m]")
+    turn_deg: float = Field(description="turned to the operator's left [deg]")
+    apart_deg: float = Field(description="angle between the thighs, T1 [deg]")
+    right: VirtualArm
+    left: VirtualArm
+    gesture: Literal["none", "engage", "stop"] = Field(description="both arms: hands beside the head, forearms crossed")
 
 
 class Health(BaseModel):

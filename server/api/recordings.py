@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, UploadFile
+from fastapi import APIRouter, Response, UploadFile
 from fastapi.responses import FileResponse
 
 from server.api.deps import EngineDep, LibraryDep
-from server.api.models import Recording
+from server.api.models import Recording, Story
 from server.api.problems import documented
 from server.errors import Refused
 from server.library import Entry
+from server.story import read_picture, read_story
 from teleop.errors import RecordingError
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
@@ -36,6 +37,29 @@ def download_recording(library: LibraryDep, recording_id: str) -> FileResponse:
     """The file itself."""
     entry = library.find(recording_id)
     return FileResponse(entry.path, media_type="application/octet-stream", filename=entry.path.name)
+
+
+@router.get("/{recording_id}/story", responses=documented(404, 422))
+def read_recording_story(library: LibraryDep, recording_id: str) -> Story:
+    """What happened in it: events and modes by position, for a timeline."""
+    try:
+        return read_story(library.find(recording_id).path)
+    except RecordingError as error:
+        raise Refused(422, str(error)) from error
+
+
+@router.get(
+    "/{recording_id}/preview.jpg",
+    response_class=Response,
+    responses={200: {"content": {"image/jpeg": {}}}, **documented(404, 422)},
+)
+def recording_preview(engine: EngineDep, library: LibraryDep, recording_id: str) -> Response:
+    """A picture from its middle."""
+    try:
+        picture = read_picture(library.find(recording_id).path, engine.settings.stream)
+    except RecordingError as error:
+        raise Refused(422, str(error)) from error
+    return Response(picture, media_type="image/jpeg", headers={"Cache-Control": "private, max-age=3600"})
 
 
 @router.delete("/{recording_id}", status_code=204, responses=documented(403, 404, 409))

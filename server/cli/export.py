@@ -29,42 +29,16 @@ def export(
 
     RGB-D folders and recordings: teleop convert.
     """
+    if output.suffix.lower() not in (".csv", ".mp4", ".fakenect", ".lerobot"):
+        raise typer.BadParameter(f"cannot tell what {output.name} is to be; {KINDS}", param_hint="OUTPUT")
+    from contextlib import closing
+
+    from server.cli.export_run import export_to
     from server.cli.progress import frame_progress
-    from teleop.errors import RecordingError
-    from teleop.recording.convert import convert, refuse_overwrite
-    from teleop.recording.resumable import remove
+    from server.cli.track_run import load_config
     from teleop.sources import open_source
 
-    kind = output.suffix.lower()
-    if kind not in (".csv", ".mp4", ".fakenect", ".lerobot"):
-        raise typer.BadParameter(f"cannot tell what {output.name} is to be; {KINDS}", param_hint="OUTPUT")
-    opened = open_source(source)
-    partial = output.with_name(f"{output.stem}.partial{output.suffix}")
-    try:
-        if opened.info.live:
-            raise RecordingError(f"{source} is live and has no end; record it first with 'teleop record'")
-        with frame_progress("exporting", opened.info.frame_count) as advance:
-            if kind == ".fakenect":
-                count = convert(opened, output, force=force, on_frame=advance)
-            else:
-                refuse_overwrite(output, opened, force)
-                from server.cli.export_run import tracked, write_csv, write_lerobot, write_video
-                from server.cli.track_run import load_config
-
-                pairs = tracked(opened, load_config(config, no_filter=False))
-                if kind == ".csv":
-                    count = write_csv(partial, pairs, advance)
-                elif kind == ".lerobot":
-                    remove(partial)
-                    count = write_lerobot(partial, opened, pairs, task, advance)
-                else:
-                    count = write_video(partial, pairs, rate_hz, advance)
-                if count == 0:
-                    raise RecordingError(f"{source} has no frames with tracking rows; nothing was written")
-                if force or output.is_dir():
-                    remove(output)
-                partial.replace(output)
-    finally:
-        opened.close()
-        remove(partial)
+    with closing(open_source(source)) as opened, frame_progress("exporting", opened.info.frame_count) as advance:
+        settings = load_config(config, no_filter=False)
+        count = export_to(output, opened, settings, advance, force=force, rate_hz=rate_hz, task=task)
     typer.echo(f"{count} frames written to {output}")

@@ -14,10 +14,12 @@ from teleop.errors import RecordingError
 from teleop.frames import DepthFrame
 from teleop.pipeline import Pipeline
 from teleop.recording import McapSource, topics
+from teleop.recording.convert import convert, refuse_overwrite
 from teleop.recording.csv_table import csv_columns, csv_values
 from teleop.recording.lerobot_features import Vectors
 from teleop.recording.lerobot_writer import LeRobotWriter
 from teleop.recording.recorded import RecordedRobot
+from teleop.recording.resumable import remove
 from teleop.recording.video import VideoWriter, overlay
 from teleop.sources.base import Source
 from teleop.track_row import track_row
@@ -27,6 +29,49 @@ _GAP_S = 1.0
 _USUAL_HZ = 30
 
 Tracked = Iterator[tuple[DepthFrame, dict[str, Any]]]
+KINDS = (".csv", ".mp4", ".fakenect", ".lerobot")
+TASK = "pick and spray in the greenhouse by gestures"
+"""What is done, in words, for a LeRobot dataset."""
+
+
+def export_to(
+    output: Path,
+    source: Source,
+    config: TeleopConfig,
+    on_frame: Callable[[DepthFrame], None],
+    *,
+    force: bool = False,
+    rate_hz: float = 30.0,
+    task: str = TASK,
+) -> int:
+    """Write a recorded source as what the output's name ends with (KINDS); returns the number of frames.
+
+    The output appears only when it is complete. force: replace one that exists. rate_hz: of a film. Raises TeleopError.
+    """
+    if source.info.live:
+        raise RecordingError(f"{source.info.uri} is live and has no end; record it first with 'teleop record'")
+    kind = output.suffix.lower()
+    if kind == ".fakenect":
+        return convert(source, output, force=force, on_frame=on_frame)
+    refuse_overwrite(output, source, force)
+    partial = output.with_name(f"{output.stem}.partial{output.suffix}")
+    pairs = tracked(source, config)
+    try:
+        if kind == ".csv":
+            count = write_csv(partial, pairs, on_frame)
+        elif kind == ".lerobot":
+            remove(partial)
+            count = write_lerobot(partial, source, pairs, task, on_frame)
+        else:
+            count = write_video(partial, pairs, rate_hz, on_frame)
+        if count == 0:
+            raise RecordingError(f"{source.info.uri} has no frames with tracking rows; nothing was written")
+        if force or output.is_dir():
+            remove(output)
+        partial.replace(output)
+    finally:
+        remove(partial)
+    return count
 
 
 def tracked(source: Source, config: TeleopConfig) -> Tracked:

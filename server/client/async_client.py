@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
 from server import wire
-from server.api.models import FruitState, Health, Recording, ReplayState, SessionState
+from server.api.models import FruitState, Health, Recording, ReplayState, SessionState, Story, VirtualOperator
 from server.client import calls
 from server.client.calls import Call
 from server.client.link import FIRST_RETRY_S, LONGEST_RETRY_S, NO_PICTURES, Link, StreamMessage
@@ -180,6 +180,10 @@ class AsyncTeleopClient:
             await asyncio.sleep(poll_s)
         return task
 
+    async def drive_virtual(self, **change: Any) -> VirtualOperator:
+        """Tell the rendered operator of ``virtual:live`` what to do, such as x_m=0.2 or right={"side_deg": 60}."""
+        return await self._do(calls.drive_virtual(change))
+
     # sessions and replay
 
     async def open(self, source: str, *, loop: bool = False, record: bool = False) -> SessionState:
@@ -227,17 +231,31 @@ class AsyncTeleopClient:
 
     async def download(self, recording_id: str, path: Path) -> None:
         """Fetch a recording."""
-        async with self._http.stream("GET", f"/recordings/{recording_id}") as response:
-            if response.is_error:
-                await response.aread()
-                raise calls.refusal(response)
-            with path.open("wb") as file:
-                async for chunk in response.aiter_bytes():
-                    file.write(chunk)
+        await self._fetch(f"/recordings/{recording_id}", path)
 
     async def delete_recording(self, recording_id: str) -> None:
         """Remove an own recording."""
         await self._do(calls.delete_recording(recording_id))
+
+    async def story(self, recording_id: str) -> Story:
+        """What happened in a recording: events and modes by position."""
+        return await self._do(calls.story(recording_id))
+
+    async def export(self, recording_id: str, format: str) -> Job:
+        """Begin to export a recording: csv, mp4, lerobot, fakenect. See :meth:`wait` and :meth:`download_file`."""
+        return await self._do(calls.begin(recording_id, "export", {"format": format}))
+
+    async def track(self, recording_id: str) -> Job:
+        """Begin to track a recording anew under the present settings."""
+        return await self._do(calls.begin(recording_id, "track"))
+
+    async def verify(self, recording_id: str) -> Job:
+        """Begin to do a recorded session again and compare."""
+        return await self._do(calls.begin(recording_id, "verify"))
+
+    async def what_if(self, recording_id: str, settings: Mapping[str, Any]) -> Job:
+        """Begin to do a recorded session again under other settings; the result says what would have been different."""
+        return await self._do(calls.begin(recording_id, "whatif", {"settings": dict(settings)}))
 
     async def jobs(self) -> list[Job]:
         """Long jobs, newest first."""
@@ -248,6 +266,10 @@ class AsyncTeleopClient:
         while (job := await self._do(calls.job(job_id))).ended is None:
             await asyncio.sleep(poll_s)
         return job
+
+    async def download_file(self, job_id: str, path: Path) -> None:
+        """Fetch the file that a job has made."""
+        await self._fetch(f"/jobs/{job_id}/file", path)
 
     async def cancel_job(self, job_id: str) -> Job:
         """Tell a long job to end."""
@@ -271,6 +293,15 @@ class AsyncTeleopClient:
 
     def __repr__(self) -> str:
         return f"AsyncTeleopClient({self._link.url!r})"
+
+    async def _fetch(self, path: str, to: Path) -> None:
+        async with self._http.stream("GET", path) as response:
+            if response.is_error:
+                await response.aread()
+                raise calls.refusal(response)
+            with to.open("wb") as file:
+                async for chunk in response.aiter_bytes():
+                    file.write(chunk)
 
     async def _do(self, call: Call[T]) -> T:
         return call.answer(await self._send(call.method, call.path, json=call.json))

@@ -10,7 +10,7 @@ import httpx
 from pydantic import TypeAdapter
 
 from server import wire
-from server.api.models import FruitState, Health, Recording, ReplayState, RobotAsk, SessionState
+from server.api.models import FruitState, Health, Recording, ReplayState, RobotAsk, SessionState, Story, VirtualOperator
 from server.client.show import Jpeg
 from server.errors import Refused
 from server.jobs import Job
@@ -55,6 +55,7 @@ _STATE, _HEALTH, _ACCESS, _SESSION = _of(wire.State), _of(Health), _of(wire.Acce
 _REPLAY, _RECORDING, _JOB = _of(ReplayState), _of(Recording), _of(Job)
 _SESSIONS, _RECORDINGS, _JOBS = _of(list[SessionState]), _of(list[Recording]), _of(list[Job])
 _TASK, _TASKS, _FRUITS = _of(wire.TaskState), _of(list[wire.TaskState]), _of(list[FruitState])
+_STORY, _VIRTUAL = _of(Story), _of(VirtualOperator)
 _TREE = _of(dict[str, Any])
 
 HEALTH = Call("GET", "/health", _HEALTH)
@@ -134,14 +135,29 @@ def read_recording(response: httpx.Response) -> Recording:
     return Call("POST", "/recordings", _RECORDING).answer(response)
 
 
+def story(recording_id: str) -> Call[Story]:
+    """What happened in a recording."""
+    return Call("GET", f"/recordings/{recording_id}/story", _STORY)
+
+
 def job(job_id: str) -> Call[Job]:
     """One long job as it stands."""
     return Call("GET", f"/jobs/{job_id}", _JOB)
 
 
+def begin(recording_id: str, what: str, body: Mapping[str, Any] | None = None) -> Call[Job]:
+    """A long job over a recording: export, track, verify, whatif."""
+    return Call("POST", f"/recordings/{recording_id}/{what}", _JOB, body)
+
+
 def cancel_job(job_id: str) -> Call[Job]:
     """Tell a long job to end."""
     return Call("DELETE", f"/jobs/{job_id}", _JOB)
+
+
+def drive_virtual(change: Mapping[str, Any]) -> Call[VirtualOperator]:
+    """Tell the rendered operator of ``virtual:live`` what to do; nothing asks what they were told."""
+    return Call("PATCH" if change else "GET", "/virtual", _VIRTUAL, dict(change) or None)
 
 
 def any_call(method: str, path: str, body: Any = None) -> Call[Any]:

@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from server import wire
-from server.api.models import FruitState, Health, Recording, ReplayState, SessionState
+from server.api.models import FruitState, Health, Recording, ReplayState, SessionState, Story, VirtualOperator
 from server.client import calls
 from server.client.calls import Call
 from server.client.link import FIRST_RETRY_S, LONGEST_RETRY_S, NO_PICTURES, Link, StreamMessage
@@ -177,6 +177,10 @@ class TeleopClient:
             time.sleep(poll_s)
         return task
 
+    def drive_virtual(self, **change: Any) -> VirtualOperator:
+        """Tell the rendered operator of ``virtual:live`` what to do, such as x_m=0.2 or right={"side_deg": 60}."""
+        return self._do(calls.drive_virtual(change))
+
     # sessions and replay
 
     def open(self, source: str, *, loop: bool = False, record: bool = False) -> SessionState:
@@ -224,17 +228,31 @@ class TeleopClient:
 
     def download(self, recording_id: str, path: Path) -> None:
         """Fetch a recording."""
-        with self._http.stream("GET", f"/recordings/{recording_id}") as response:
-            if response.is_error:
-                response.read()
-                raise calls.refusal(response)
-            with path.open("wb") as file:
-                for chunk in response.iter_bytes():
-                    file.write(chunk)
+        self._fetch(f"/recordings/{recording_id}", path)
 
     def delete_recording(self, recording_id: str) -> None:
         """Remove an own recording."""
         self._do(calls.delete_recording(recording_id))
+
+    def story(self, recording_id: str) -> Story:
+        """What happened in a recording: events and modes by position."""
+        return self._do(calls.story(recording_id))
+
+    def export(self, recording_id: str, format: str) -> Job:
+        """Begin to export a recording: csv, mp4, lerobot, fakenect. See :meth:`wait` and :meth:`download_file`."""
+        return self._do(calls.begin(recording_id, "export", {"format": format}))
+
+    def track(self, recording_id: str) -> Job:
+        """Begin to track a recording anew under the present settings."""
+        return self._do(calls.begin(recording_id, "track"))
+
+    def verify(self, recording_id: str) -> Job:
+        """Begin to do a recorded session again and compare."""
+        return self._do(calls.begin(recording_id, "verify"))
+
+    def what_if(self, recording_id: str, settings: Mapping[str, Any]) -> Job:
+        """Begin to do a recorded session again under other settings; the result says what would have been different."""
+        return self._do(calls.begin(recording_id, "whatif", {"settings": dict(settings)}))
 
     def jobs(self) -> list[Job]:
         """Long jobs, newest first."""
@@ -245,6 +263,10 @@ class TeleopClient:
         while (job := self._do(calls.job(job_id))).ended is None:
             time.sleep(poll_s)
         return job
+
+    def download_file(self, job_id: str, path: Path) -> None:
+        """Fetch the file that a job has made."""
+        self._fetch(f"/jobs/{job_id}/file", path)
 
     def cancel_job(self, job_id: str) -> Job:
         """Tell a long job to end."""
@@ -271,6 +293,15 @@ class TeleopClient:
 
     def _repr_html_(self) -> str:
         return client_html(self._link.url, self.state(), self.access())
+
+    def _fetch(self, path: str, to: Path) -> None:
+        with self._http.stream("GET", path) as response:
+            if response.is_error:
+                response.read()
+                raise calls.refusal(response)
+            with to.open("wb") as file:
+                for chunk in response.iter_bytes():
+                    file.write(chunk)
 
     def _do(self, call: Call[T]) -> T:
         return call.answer(self._send(call.method, call.path, json=call.json))

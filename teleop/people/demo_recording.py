@@ -15,22 +15,23 @@ from rich.progress import track
 
 from teleop.config.recording import RecordingConfig
 from teleop.errors import TeleopError
+from teleop.people.performance import Performance
 from teleop.people.story import greenhouse_story
 from teleop.people.truth import truth_row
 from teleop.recording import McapWriter
-from teleop.sources.virtual import open_virtual
+from teleop.sources.virtual_options import parse_options
 
 
 def make(output: Path, seed: int, size: str, fps: int, jpeg_quality: int) -> None:
     """Write the recording and its truth. Raises RecordingError, DataError or SourceError."""
-    source = open_virtual(f"makehuman,seed={seed},size={size},fps={fps}")
-    performance = source.performance
-    _, chapters = greenhouse_story(seed)
+    options = parse_options(f"makehuman,seed={seed},size={size},fps={fps}")
+    motion, chapters = greenhouse_story(seed)
+    performance = Performance(options.stage(), motion, float(fps))
     metadata = {"story": "greenhouse", "seed": str(seed), "person": "MakeHuman base mesh (CC0), rendered"}
     writer = McapWriter(
         output,
         performance.camera,
-        source_uri=source.info.uri,
+        source_uri=options.uri,
         metadata=metadata,
         config=RecordingConfig(jpeg_quality=jpeg_quality, compression_level=19),
     )

@@ -29,19 +29,47 @@ class Take:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Performance:
-    """Everything that stays the same from frame to frame. seed: of the noise."""
+class Stage:
+    """Who acts where before which sensor: everything that stays the same from frame to frame. seed: of the noise."""
 
     body: Body
     worn: Dressed
-    motion: Motion
     room: Room | None
     view: View
     camera: Camera
-    frames_per_s: float
     light: Light | None = field(default_factory=Light)
     sensor: SensorModel = field(default_factory=SensorModel)
     seed: int = 0
+
+    def take(self, moment: Moment, number: int, t_ns: int) -> Take:
+        """One moment as frame ``number`` of that time; deterministic."""
+        posed = pose_rig(self.body.rig, moment.pose)
+        local = skin(self.body, posed, self.worn.vertices_m)
+        placed = stand(posed, local, moment.x_m, moment.z_m, moment.turn)
+        rng = np.random.default_rng([self.seed, number])
+        figure = Figure(self.body, self.worn, moment.pose, placed)
+        shot = shoot((figure,), self.room, self.view, self.camera, self.light, rng)
+        depth = sense(shot.depth_m, self.camera, rng, self.sensor).depth_mm
+        return Take(DepthFrame(t_ns, depth, self.camera, shot.color_rgb, number), shot.joints_m, moment)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Performance:
+    """A motion acted on a stage, so many frames a second."""
+
+    stage: Stage
+    motion: Motion
+    frames_per_s: float
+
+    @property
+    def camera(self) -> Camera:
+        """The sensor's."""
+        return self.stage.camera
+
+    @property
+    def view(self) -> View:
+        """Where the sensor stands."""
+        return self.stage.view
 
     @property
     def frame_count(self) -> int:
@@ -51,13 +79,4 @@ class Performance:
     def take(self, number: int) -> Take:
         """Frame ``number`` (0 is the first key); deterministic."""
         t_s = number / self.frames_per_s
-        moment = self.motion.at(t_s)
-        posed = pose_rig(self.body.rig, moment.pose)
-        local = skin(self.body, posed, self.worn.vertices_m)
-        placed = stand(posed, local, moment.x_m, moment.z_m, moment.turn)
-        rng = np.random.default_rng([self.seed, number])
-        figure = Figure(self.body, self.worn, moment.pose, placed)
-        shot = shoot((figure,), self.room, self.view, self.camera, self.light, rng)
-        depth = sense(shot.depth_m, self.camera, rng, self.sensor).depth_mm
-        frame = DepthFrame(round(t_s * 1e9), depth, self.camera, shot.color_rgb, number)
-        return Take(frame, shot.joints_m, moment)
+        return self.stage.take(self.motion.at(t_s), number, round(t_s * 1e9))

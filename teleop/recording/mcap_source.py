@@ -52,6 +52,11 @@ class McapSource:
         return self._info
 
     @property
+    def start_ns(self) -> int:
+        """Time of the first frame [ns]."""
+        return int(self._t_ns[0])
+
+    @property
     def truncated(self) -> str | None:
         """Why the file ends early, or None when it is whole."""
         return self.file.truncated

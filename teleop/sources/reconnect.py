@@ -109,9 +109,10 @@ class Reconnecting:
 
 
 def open_lasting(uri: str, retry_s: float) -> Source:
-    """Open any source; a live one comes back by itself when it is lost. Raises TeleopError."""
+    """Open any source; a sensor comes back by itself when it is lost. Raises TeleopError."""
     source = open_source(uri)
-    return Reconnecting(source, lambda: open_source(uri), retry_s) if source.info.live else source
+    is_sensor = source.info.live and source.info.kind != "virtual"
+    return Reconnecting(source, lambda: open_source(uri), retry_s) if is_sensor else source
 
 
 def _nobody() -> None:

@@ -22,7 +22,7 @@ from teleop.people.scene import Figure, shoot, stand
 from teleop.people.sensor import sense
 from teleop.people.shape import Shape
 from teleop.people.view import sensor_view
-from teleop.sources.virtual import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
+from teleop.sources.virtual_options import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
 
 F64 = npt.NDArray[np.float64]
 PEOPLE: Final = tuple(
