@@ -151,10 +151,14 @@ class LeaseState(Message):
 
 
 class Access(Message):
-    """Who this client is and who commands: after hello and at every change. Never dropped. you: null = no access."""
+    """Who this client is and who commands: after hello and at every change. Never dropped. you: null = no access.
+
+    by_token: the role was shown by a token or a login; else this machine has it by itself.
+    """
 
     type: Literal["access"] = "access"
     you: Party | None
+    by_token: bool = False
     holds_lease: bool = False
     lease: LeaseState = LeaseState()
 

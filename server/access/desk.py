@@ -71,11 +71,12 @@ class Desk:
         """
         headers = Headers(scope=scope)
         address = scope["client"][0] if scope.get("client") else ""
-        role = self._role(headers, address) or (self._local_role() if _is_local(address, headers) else None)
-        return None if role is None else self.as_role(scope, role)
+        shown = self._role(headers, address)
+        role = shown or (self._local_role() if _is_local(address, headers) else None)
+        return None if role is None else self.as_role(scope, role, by_token=shown is not None)
 
-    def as_role(self, scope: Scope, role: Role) -> Caller:
-        """The sender in a role that it has shown to have. Raises Refused (422) for a bad client key."""
+    def as_role(self, scope: Scope, role: Role, *, by_token: bool = True) -> Caller:
+        """The sender in a role that it has shown to have, or has by itself. Raises Refused (422) for a bad key."""
         headers = Headers(scope=scope)
         address = scope["client"][0] if scope.get("client") else ""
         query = parse_qs(scope["query_string"].decode("latin-1")) if scope["type"] == "websocket" else {}
@@ -83,7 +84,7 @@ class Desk:
         if key and not _KEY.fullmatch(key):
             raise Refused(422, "a client key has 16 to 80 letters, digits, dashes or underscores")
         name = unquote(headers.get(NAME_HEADER, "")) or next(iter(query.get("name", ())), "")
-        caller = Caller(role, key, _printable(name), _is_local(address, headers), address)
+        caller = Caller(role, key, _printable(name), _is_local(address, headers), address, by_token)
         if key:
             self._seen[caller.id] = time.monotonic()
         return caller
@@ -160,6 +161,7 @@ class Desk:
         """What one client is told."""
         return wire.Access(
             you=caller.party if caller else None,
+            by_token=caller is not None and caller.by_token,
             holds_lease=caller is not None and self._lease.held_by(caller),
             lease=self._lease.state() if caller else wire.LeaseState(),
         )

@@ -33,7 +33,7 @@ class Caller:
     """Who sends a request.
 
     key: the client's own secret, by which it is known again; empty when it names none. local: from this machine,
-    by its own name. address: of the peer, for logs and rates.
+    by its own name. address: of the peer, for logs and rates. by_token: the role was shown by a token or a login.
     """
 
     role: Role
@@ -41,6 +41,7 @@ class Caller:
     name: str
     local: bool
     address: str
+    by_token: bool = False
 
     @property
     def id(self) -> str:

@@ -44,6 +44,19 @@ def test_a_refused_value_is_told_at_its_field_and_the_running_one_stays(
     logged[:] = [text for text in logged if "422" not in text]
 
 
+def test_settings_and_steps_that_were_not_open_follow_the_language_too(page: Page, server: ConsoleServer) -> None:
+    page.keyboard.press("l")
+    page.keyboard.press(",")
+    page.locator(".setting").first.wait_for(state="attached")
+    page.get_by_role("searchbox").fill("l1_m")
+    expect(page.locator(f'[data-path="{L1}"] .setting-about')).to_contain_text("深度")
+    page.keyboard.press("Escape")
+    page.keyboard.press("k")
+    expect(page.locator(".sheet[open] .gauge small").first).to_have_text("高度")
+    page.keyboard.press("Escape")
+    wait_for("the emergency stop is latched", lambda: server.state()["robot"]["estop"])
+
+
 def test_what_if_replays_with_other_settings_and_goes_back(page: Page, server: ConsoleServer) -> None:
     page.keyboard.press("b")
     page.locator(".recording-row", has_text="greenhouse demo").get_by_role("button", name="What if").click()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from console_server import ROOT
@@ -11,6 +13,7 @@ from console_server import ROOT
 from robot_sim.events import RobotEventKind
 from robot_sim.pick.run import Stage
 from robot_sim.reasons import RobotReason
+from server.settings import Settings
 from server.wire_types import typescript
 from teleop.reasons import Reason
 
@@ -33,6 +36,24 @@ def test_every_reason_has_words(language: str) -> None:
     codes |= {f"robot.{kind}" for kind in RobotEventKind}
     assert len(codes) > len(Reason)
     assert [code for code in sorted(codes) if f"reason.{code}" not in keys] == []
+
+
+def test_chinese_settings_are_settings_and_few_are_without() -> None:
+    words = set(
+        re.findall(r'^  "([a-z_.0-9A-Z]+)": "', (LANGUAGES / "settings_zh.ts").read_text(encoding="utf-8"), re.M)
+    )
+    there = {path.removeprefix("teleop.") for path in leaves(Settings().teleop.model_dump(mode="json"), "teleop")}
+    assert words - there == set()
+    assert len(there - words) <= len(there) // 10, sorted(there - words)
+
+
+def leaves(tree: dict[str, Any], path: str) -> Iterator[str]:
+    """Paths of the settings that the form shows: no lists, nothing that is empty."""
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            yield from leaves(value, f"{path}.{key}")
+        elif isinstance(value, bool | int | float | str):
+            yield f"{path}.{key}"
 
 
 def test_wire_types_are_generated_from_the_servers() -> None:

@@ -25,7 +25,7 @@ export async function act(action: Promise<unknown>): Promise<boolean> {
     return true;
   } catch (error) {
     if (!(error instanceof RequestError)) throw error;
-    notify(t("notice.refused", { detail: error.message }));
+    notify(error.status === 0 ? t("notice.unreachable", { detail: error.message }) : t("notice.refused", { detail: error.message }));
     return false;
   }
 }

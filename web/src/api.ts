@@ -10,8 +10,50 @@ export interface Recording {
   uri: string;
   bundled: boolean;
   size_bytes: number;
+  /** Unix time [s]. */
+  modified: number;
   duration_s: number | null;
 }
+
+/** What happened in a recording. */
+export interface Story {
+  duration_s: number;
+  events: { position_s: number; kind: string; reason: string; detail: string }[];
+  modes: { position_s: number; mode: string }[];
+}
+
+/** A long job as it stands. */
+export interface Job {
+  id: string;
+  kind: string;
+  detail: string;
+  status: "queued" | "running" | "done" | "failed" | "cancelled";
+  progress: number;
+  result: { file?: string; bytes?: number; lines?: string[] } | null;
+  error: string | null;
+}
+
+export type ExportFormat = "csv" | "mp4" | "lerobot";
+
+export interface VirtualArm {
+  side_deg: number;
+  front_deg: number;
+  elbow_deg: number;
+  hand: "open" | "relaxed" | "fist";
+}
+
+/** What the rendered operator of ``virtual:live`` is told to do. */
+export interface VirtualOperator {
+  x_m: number;
+  z_m: number;
+  turn_deg: number;
+  apart_deg: number;
+  right: VirtualArm;
+  left: VirtualArm;
+  gesture: "none" | "engage" | "stop";
+}
+
+export type VirtualChange = Partial<Omit<VirtualOperator, "right" | "left">> & { right?: Partial<VirtualArm>; left?: Partial<VirtualArm> };
 
 export interface RobotRequest {
   lift_m?: number;
@@ -36,7 +78,7 @@ export class RequestError extends Error {
   }
 }
 
-const ROOT = "/api/v1";
+export const ROOT = "/api/v1";
 const TIMEOUT_MS = 5_000;
 const OPEN_TIMEOUT_MS = 30_000;
 const KEY_HEADER = "X-Teleop-Client";
@@ -94,6 +136,7 @@ export const api = {
   estopReset: () => request("POST", "/estop/reset"),
   play: () => request("POST", "/replay/play"),
   pause: () => request("POST", "/replay/pause"),
+  step: () => request("POST", "/replay/step"),
   seek: (position_s: number) => request("POST", "/replay/seek", { position_s }),
   speed: (speed: number) => request("POST", "/replay/speed", { speed }),
   loop: (loop: boolean) => request("POST", "/replay/loop", { loop }),
@@ -105,6 +148,14 @@ export const api = {
   upload,
   recordings: async () => (await request("GET", "/recordings")) as Recording[],
   deleteRecording: (id: string) => request("DELETE", `/recordings/${encodeURIComponent(id)}`),
+  story: async (id: string) => (await request("GET", `/recordings/${encodeURIComponent(id)}/story`, undefined, OPEN_TIMEOUT_MS)) as Story,
+  exportRecording: (id: string, format: ExportFormat) => request("POST", `/recordings/${encodeURIComponent(id)}/export`, { format }),
+  verify: (id: string) => request("POST", `/recordings/${encodeURIComponent(id)}/verify`),
+  whatIf: (id: string, settings: Json) => request("POST", `/recordings/${encodeURIComponent(id)}/whatif`, { settings }),
+  jobs: async () => (await request("GET", "/jobs")) as Job[],
+  cancelJob: (id: string) => request("DELETE", `/jobs/${id}`),
+  virtual: async () => (await request("GET", "/virtual")) as VirtualOperator,
+  driveVirtual: (change: VirtualChange) => request("PATCH", "/virtual", change),
   config: async () => (await request("GET", "/config")) as Json,
   configSchema: async () => (await request("GET", "/config/schema")) as Schema,
   changeConfig: async (patch: Json) => (await request("PATCH", "/config", patch, 2 * TIMEOUT_MS)) as Json,

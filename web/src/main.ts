@@ -10,6 +10,7 @@ import "./styles/person.css";
 import "./styles/tools.css";
 import "./styles/pick.css";
 import "./styles/replay.css";
+import "./styles/puppet.css";
 import "./styles/measures.css";
 import "./styles/sheets.css";
 import "./styles/far.css";
@@ -33,6 +34,7 @@ import { helpSheet } from "./panels/help";
 import { LatencyPanel } from "./panels/latency";
 import { LegsPanel } from "./panels/legs";
 import { PlotsPanel } from "./panels/plots";
+import { PuppetPanel } from "./panels/puppet";
 import { RecordingsSheet } from "./panels/recordings";
 import { ReplayPanel } from "./panels/replay";
 import { ScenePanel } from "./panels/scene";
@@ -47,8 +49,8 @@ import { WIRE_VERSION } from "./words";
 
 const sounds = new Sounds();
 const settings = new SettingsSheet();
-const whatIf = new WhatIf(settings);
 const recordings = new RecordingsSheet((recording) => whatIf.ask(recording));
+const whatIf = new WhatIf(settings, (job) => void recordings.begin(job));
 const wizard = new Wizard();
 const access = new AccessPanel(() => connection.reopen());
 const help = helpSheet();
@@ -60,7 +62,7 @@ const soundIcon = icon("mute");
 const soundButton = titled(h("button", { class: "chip", type: "button" }, soundIcon), "button.sound");
 const helpButton = titled(h("button", { class: "chip", type: "button" }, icon("help")), "button.help");
 
-const farButton = titled(h("button", { class: "chip", type: "button" }, icon("far")), "button.far");
+const farButton = titled(h("button", { class: "chip", type: "button", "data-keep": true }, icon("far")), "button.far");
 const settingsButton = titled(h("button", { class: "chip", type: "button" }, icon("settings")), "button.settings");
 const wizardButton = titled(h("button", { class: "chip", type: "button", "data-commands": true }, icon("ruler")), "button.calibrate");
 
@@ -71,7 +73,11 @@ const banner = new Banner(
 const camera = new CameraPanel((view) => connection.send(view));
 const scene = new ScenePanel();
 const replay = new ReplayPanel(recordings);
-const floor = new FloorPanel();
+const puppet = new PuppetPanel();
+const floor = new FloorPanel(
+  () => puppet.active && !document.body.classList.contains("locked"),
+  (x_m, z_m) => puppet.place(x_m, z_m),
+);
 const arms = new ArmsPanel();
 const legs = new LegsPanel();
 const tools = new ToolsPanel();
@@ -79,7 +85,7 @@ const plots = new PlotsPanel();
 const latency = new LatencyPanel();
 const events = new EventsPanel();
 /** In the order they are painted: what the operator steers by comes first. */
-const panels: readonly Panel[] = [camera, banner, floor, scene, arms, legs, tools, replay, latency, plots, events, wizard];
+const panels: readonly Panel[] = [camera, banner, floor, scene, arms, legs, tools, replay, puppet, latency, plots, events, wizard];
 
 const painter = new Painter(
   (state: State, now_ms: number) => {
@@ -142,6 +148,7 @@ function applyPreferences(): void {
   for (const panel of panels) panel.restyle?.();
   access.restyle();
   whatIf.restyle();
+  settings.restyle();
   savePrefs();
 }
 
@@ -189,6 +196,7 @@ listen(() => void emergencyStop(), {
   ArrowRight: command(() => replay.step(1)),
   "[": command(() => replay.changeSpeed(-1)),
   "]": command(() => replay.changeSpeed(1)),
+  ".": command(() => replay.stepFrame()),
   o: command(() => replay.toggleLoop()),
   r: command(() => replay.toggleRecord()),
   b: () => void recordings.open(),
@@ -213,7 +221,7 @@ document.getElementById("console")?.append(
     "main",
     {},
     h("div", { class: "column left" }, camera.element, floor.element),
-    h("div", { class: "column middle" }, scene.element, replay.element, h("div", { class: "pair" }, plots.element, latency.element)),
+    h("div", { class: "column middle" }, scene.element, replay.element, puppet.element, h("div", { class: "pair" }, plots.element, latency.element)),
     h("div", { class: "column right" }, arms.element, legs.element, tools.element, events.element),
   ),
   gone,

@@ -12,28 +12,36 @@ const STORED = "greenhouse-what-if";
 interface Trial {
   recording: string;
   before: [path: string, value: Value][];
+  after: [path: string, value: Value][];
 }
 
 export class WhatIf {
   private readonly text = h("span");
   private readonly again = translated(h("button", { class: "button", type: "button" }), "whatif.again");
   private readonly back = translated(h("button", { class: "button", type: "button" }), "whatif.back");
-  readonly element = h("aside", { class: "whatif", hidden: true, "data-commands": true }, this.text, this.again, this.back);
+  private readonly differ = translated(h("button", { class: "button", type: "button" }), "whatif.differ");
+  readonly element = h("aside", { class: "whatif", hidden: true, "data-commands": true }, this.text, this.again, this.differ, this.back);
   private trial: Trial | null = null;
 
-  constructor(private readonly settings: SettingsSheet) {
+  /** begin: shows how a long job goes on, and what came of it. */
+  constructor(
+    private readonly settings: SettingsSheet,
+    private readonly begin: (job: Promise<unknown>) => void,
+  ) {
     const stored = sessionStorage.getItem(STORED);
     this.set(stored === null ? null : (JSON.parse(stored) as Trial));
     this.again.addEventListener("click", () => void this.replay());
+    this.differ.addEventListener("click", () => this.compare());
     this.back.addEventListener("click", () => void this.restore());
   }
 
   /** Asks for other settings, then plays the recording with them from its start. */
   ask(recording: Recording): void {
-    void this.settings.open((before) => {
-      const known = new Map(this.trial?.recording === recording.uri ? this.trial.before : []);
+    void this.settings.open((before, after) => {
+      const same = this.trial?.recording === recording.uri ? this.trial : null;
+      const known = new Map(same?.before);
       for (const [path, value] of before) if (!known.has(path)) known.set(path, value);
-      this.set({ recording: recording.uri, before: [...known] });
+      this.set({ recording: recording.uri, before: [...known], after: [...new Map([...(same?.after ?? []), ...after])] });
       void this.replay();
     });
   }
@@ -44,6 +52,11 @@ export class WhatIf {
 
   private async replay(): Promise<void> {
     if (this.trial) await act(api.openSession({ source: this.trial.recording, loop: true, record: false }));
+  }
+
+  /** The whole session once more under these settings, off to the side, and in words what would have been different. */
+  private compare(): void {
+    if (this.trial) this.begin(api.whatIf(this.trial.recording, treeOf(new Map(this.trial.after))));
   }
 
   private async restore(): Promise<void> {

@@ -124,10 +124,11 @@ export interface LeaseState {
   since: number | null;
 }
 
-/** Who this client is and who commands: after hello and at every change. Never dropped. you: null = no access. */
+/** Who this client is and who commands: after hello and at every change. Never dropped. you: null = no access. by_token: the role was shown by a token or a login; else this machine has it by itself. */
 export interface Access {
   type: "access";
   you: Party | null;
+  by_token: boolean;
   holds_lease: boolean;
   lease: LeaseState;
 }

@@ -30,18 +30,51 @@ export function reasonText(code: string): string {
   return lookup(`reason.${code}`) ?? code;
 }
 
+/** Words of an event's detail: names of modes, zones and liquids are translated, what somebody wrote is left alone. */
+export function detailText(reason: string, detail: string): string {
+  const families = reason === "mode.zone_entered" ? ["zone"] : ["mode", "zone", "liquid", "hand"];
+  const word = (code: string) => families.map((family) => lookup(`${family}.${code}`)).find((found) => found !== null) ?? code;
+  return detail.split(" -> ").map(word).join(" → ");
+}
+
+/** Elements whose words follow the language, also those that are not in the page just now. */
+const followers = new Set<WeakRef<Element>>();
+const TEXT = "data-i18n";
+const TITLE = "data-i18n-title";
+const HINT = "data-i18n-placeholder";
+
+function follow(element: Element, attribute: string, key: Key): void {
+  if (![TEXT, TITLE, HINT].some((name) => element.hasAttribute(name))) followers.add(new WeakRef(element));
+  element.setAttribute(attribute, key);
+  label(element);
+}
+
+function label(element: Element): void {
+  const text = element.getAttribute(TEXT) as Key | null;
+  if (text) element.textContent = t(text);
+  const title = element.getAttribute(TITLE) as Key | null;
+  if (title) element.setAttribute("title", t(title));
+  const hint = element.getAttribute(HINT) as Key | null;
+  if (hint) element.setAttribute("placeholder", t(hint));
+  const name = title ?? hint;
+  if (name) element.setAttribute("aria-label", t(name));
+}
+
 /** Gives an element a text that follows the language. */
 export function translated<E extends Element>(element: E, key: Key): E {
-  element.setAttribute("data-i18n", key);
-  element.textContent = t(key);
+  follow(element, TEXT, key);
   return element;
 }
 
 /** Gives an element a name for pointer and screen reader that follows the language. */
 export function titled<E extends Element>(element: E, key: Key): E {
-  element.setAttribute("data-i18n-title", key);
-  element.setAttribute("title", t(key));
-  element.setAttribute("aria-label", t(key));
+  follow(element, TITLE, key);
+  return element;
+}
+
+/** Gives an input a hint that follows the language. */
+export function hinted<E extends Element>(element: E, key: Key): E {
+  follow(element, HINT, key);
   return element;
 }
 
@@ -49,17 +82,9 @@ export function setLanguage(next: Language): void {
   current = next;
   document.documentElement.lang = next === "zh" ? "zh-CN" : "en";
   document.title = t("title");
-  for (const element of document.querySelectorAll("[data-i18n]")) {
-    element.textContent = t(element.getAttribute("data-i18n") as Key);
-  }
-  for (const element of document.querySelectorAll("[data-i18n-placeholder]")) {
-    const text = t(element.getAttribute("data-i18n-placeholder") as Key);
-    element.setAttribute("placeholder", text);
-    element.setAttribute("aria-label", text);
-  }
-  for (const element of document.querySelectorAll("[data-i18n-title]")) {
-    const text = t(element.getAttribute("data-i18n-title") as Key);
-    element.setAttribute("title", text);
-    element.setAttribute("aria-label", text);
+  for (const reference of followers) {
+    const element = reference.deref();
+    if (element) label(element);
+    else followers.delete(reference);
   }
 }

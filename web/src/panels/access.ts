@@ -58,7 +58,7 @@ export class AccessPanel {
   /** The server wants a token before it shows anything. */
   link(link: Link): void {
     if (link !== "locked") return;
-    this.set({ type: "access", you: null, holds_lease: false, lease: { holder: null, requests: [], since: null } });
+    this.set({ type: "access", you: null, by_token: false, holds_lease: false, lease: { holder: null, requests: [], since: null } });
     this.sheet.open();
     this.token.focus();
   }
@@ -74,7 +74,7 @@ export class AccessPanel {
     translated(this.ask, now === "mine" ? "lease.release" : this.asked ? "lease.withdraw" : "lease.request");
     this.take.hidden = !(now === "theirs" && access.you?.role === "supervisor");
     this.who.set(access.you ? t("access.you", { role: t(`role.${access.you.role}`), name: nameOf(access.you) }) : t("access.none"));
-    this.logout.hidden = access.you === null;
+    this.logout.hidden = !access.by_token;
     this.lock(now === "theirs" || now === "viewer" || now === "nobody");
     const mine = now === "mine" ? access.lease.requests : [];
     this.asks.replaceChildren(...mine.map((party) => this.request(party)));

@@ -43,6 +43,15 @@ function words(state: State): string {
   return reason === null ? t(`hint.${state.mode}`) : reasonText(reason);
 }
 
+/** Whether what moves the robot is a person now, or a recording of one: nobody should have to guess. */
+function sourceKind(source: State["source"]): "none" | "fault" | "live" | "virtual" | "paused" | "replay" {
+  if (!source) return "none";
+  if (source.fault) return "fault";
+  if (source.kind === "virtual") return "virtual";
+  if (source.live) return "live";
+  return source.paused || source.ended ? "paused" : "replay";
+}
+
 export class Banner implements Panel {
   readonly element: HTMLElement;
   private readonly glyph = icon("eye");
@@ -51,6 +60,8 @@ export class Banner implements Panel {
   private readonly modeText = new Text(h("strong", { class: "mode" }));
   private readonly reason = new Text(h("span", { class: "reason" }));
   private readonly link = h("span", { class: "link", "data-link": "connecting" });
+  private readonly source = new Text(h("span", { class: "source-badge" }));
+  private readonly sourceLook = new Attribute(this.source.element, "data-source");
   private readonly engage = titled(h("button", { class: "button engage", type: "button" }), "button.engage.title");
   private readonly reset = titled(h("button", { class: "button reset", type: "button" }), "button.reset.title");
   private readonly look: Attribute;
@@ -77,7 +88,7 @@ export class Banner implements Panel {
       { class: "banner", "data-mode": "no_person" },
       h("div", { class: "sign" }, ring, this.glyph),
       h("div", { class: "words", role: "status", "aria-live": "polite" }, this.modeText.element, this.reason.element),
-      h("div", { class: "side" }, h("div", { class: "who" }, this.link, lease), tools),
+      h("div", { class: "side" }, h("div", { class: "who" }, this.source.element, this.link, lease), tools),
       h("div", { class: "actions", "data-commands": true }, this.engage, this.reset),
       stop,
     );
@@ -112,6 +123,9 @@ export class Banner implements Panel {
     const progress = state.engage_progress > 0 && state.engage_progress < 1 ? state.engage_progress : state.engaged ? 1 : 0;
     this.ringOffset.set((RING_LENGTH * (1 - progress)).toFixed(0));
     this.engaged = state.engaged;
+    const kind = sourceKind(state.source);
+    this.source.set(t(`source.${kind}`));
+    this.sourceLook.set(state.source?.recording ? "recording" : kind);
     this.allowReset(estop || state.mode === "stopped");
     this.engageText.set(t(state.engaged ? "button.disengage" : "button.engage"));
   }

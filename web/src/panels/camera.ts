@@ -61,7 +61,12 @@ export class CameraPanel implements Panel {
     prefs.image = image;
     savePrefs();
     this.showChoice();
-    this.viewChanged({ type: "view", image: prefs.image, head: prefs.head, parts: prefs.parts });
+    this.viewChanged({ type: "view", image: prefs.image, head: headShown(), parts: prefs.parts });
+  }
+
+  /** Seen from afar the head camera's picture is always there. */
+  restyle(): void {
+    this.choose(prefs.image);
   }
 
   toggleHead(): void {
@@ -98,7 +103,7 @@ export class CameraPanel implements Panel {
     this.mirrorButton.setAttribute("aria-pressed", String(prefs.mirror));
     this.partsButton.setAttribute("aria-pressed", String(prefs.parts));
     this.numbersButton.setAttribute("aria-pressed", String(prefs.numbers));
-    this.head.hidden = !prefs.head;
+    this.head.hidden = !headShown();
     if (!prefs.parts) this.parts.getContext("2d")?.clearRect(0, 0, this.parts.width, this.parts.height);
     this.parts.hidden = !prefs.parts;
     if (prefs.image === "none") this.picture.getContext("2d")?.clearRect(0, 0, this.picture.width, this.picture.height);
@@ -224,9 +229,13 @@ export class CameraPanel implements Panel {
   }
 }
 
+function headShown(): boolean {
+  return prefs.head || prefs.far;
+}
+
 /** Whether the operator looks at this kind of picture. */
 function wanted(kind: number): boolean {
-  if (kind === HEAD_IMAGE) return prefs.head;
+  if (kind === HEAD_IMAGE) return headShown();
   if (kind === PARTS_IMAGE) return prefs.parts;
   return (kind === DEPTH_IMAGE && prefs.image === "depth") || (kind === COLOR_IMAGE && prefs.image === "color");
 }

@@ -2,7 +2,7 @@
 
 import { h } from "../dom";
 import { fruitWords } from "../fruit";
-import { reasonText, t } from "../i18n";
+import { detailText, reasonText, t } from "../i18n";
 import { type Panel, frame } from "../panel";
 import type { EventMessage } from "../wire";
 
@@ -38,7 +38,7 @@ export class EventsPanel implements Panel {
 function entry(event: EventMessage): HTMLElement {
   const family = event.reason.split(".")[0] ?? event.kind;
   const text = h("span", {}, reasonText(event.reason));
-  if (event.detail) text.append(" ", h("small", {}, fruitWords(event.detail)));
+  if (event.detail) text.append(" ", h("small", {}, fruitWords(detailText(event.reason, event.detail))));
   return h("li", { "data-family": family, "data-reason": event.reason }, h("time", {}, timeOfDay(event.t)), text);
 }
 

@@ -9,13 +9,15 @@ import { type Panel, frame } from "../panel";
 import type { Hello, State, Zone, ZoneInfo } from "../wire";
 
 const TRAIL_POINTS = 160;
-const FAR_M = 3.75;
-const HALF_WIDTH_M = 1.32;
+/** The nearest metre holds nothing but the sensor: the map begins there, so that the zones are drawn large. */
+const NEAR_M = 0.92;
+const FAR_M = 3.66;
+const HALF_WIDTH_M = 1.4;
 
 export class FloorPanel implements Panel {
   readonly element: HTMLElement;
   private readonly map = titled(
-    s("svg", { class: "floor-map", viewBox: `${-HALF_WIDTH_M} -0.12 ${2 * HALF_WIDTH_M} ${FAR_M + 0.12}`, role: "img" }),
+    s("svg", { class: "floor-map", viewBox: `${-HALF_WIDTH_M} ${NEAR_M} ${2 * HALF_WIDTH_M} ${FAR_M - NEAR_M}`, role: "img" }),
     "panel.floor",
   );
   private readonly areas = new Map<Zone, SVGElement>();
@@ -30,11 +32,17 @@ export class FloorPanel implements Panel {
   private lit: Zone | null = null;
   private hysteresis_m = 0;
 
-  constructor() {
+  /** placed: told where the map is pressed or dragged, in metres; asked for only while `canPlace` says so. */
+  constructor(
+    private readonly canPlace: () => boolean,
+    private readonly placed: (x_m: number, z_m: number) => void,
+  ) {
     const { element, tools } = frame("floor", "panel.floor", h("div", { class: "floor-box" }));
     this.element = element;
     element.querySelector(".floor-box")?.append(this.map);
     tools.append(this.note.element);
+    this.map.addEventListener("pointerdown", (event) => this.point(event));
+    this.map.addEventListener("pointermove", (event) => event.buttons === 1 && this.point(event));
     this.dot.append(
       s("ellipse", { rx: 0.2, ry: 0.08 }),
       s("circle", { r: 0.075 }),
@@ -55,36 +63,47 @@ export class FloorPanel implements Panel {
     this.area("back", -center, back, center, far);
     this.area("left", -side, near, -center, far);
     this.area("right", center, near, side, far);
-    this.label("floor.pick", 0, back - 0.16, "small");
-    this.label("floor.spray", 0, back - 0.05, "small");
-    this.label("floor.stop", 0, near - 0.3, "stop");
-    this.label("floor.stop", 0, far + 0.2, "stop");
-    this.label("floor.left", -(side + center) / 2 - 0.05, near - 0.06, "small");
-    this.label("floor.right", (side + center) / 2 + 0.05, near - 0.06, "small");
     this.bands(zones);
+    this.names(zones);
+    this.label("floor.pick", 0, back - 0.2, "small");
+    this.label("floor.spray", 0, back - 0.09, "small");
+    this.label("floor.stop", 0, near - 0.12, "stop");
+    this.label("floor.stop", 0, far + 0.17, "stop");
+    this.label("floor.left", -(side + center) / 2 - 0.05, near - 0.07, "small");
+    this.label("floor.right", (side + center) / 2 + 0.05, near - 0.07, "small");
     this.measures(zones);
     this.map.append(
       s("path", { class: "floor-view", d: `M0 0 L${-HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)} M0 0 L${HALF_WIDTH_M} ${HALF_WIDTH_M / Math.tan(0.51)}` }),
-      s("rect", { class: "floor-sensor", x: -0.22, y: -0.07, width: 0.44, height: 0.12, rx: 0.03 }),
+      s("path", { class: "floor-sensor", d: `M-0.17 ${NEAR_M + 0.05} h0.34 v0.09 h-0.34 z M0 ${NEAR_M} l0.05 0.05 h-0.1 z` }),
       this.margin,
       this.trail,
       this.dot,
     );
-    this.label("floor.sensor", 0, 0.24, "small");
+    this.label("floor.sensor", 0.36, NEAR_M + 0.13, "small");
     this.lit = null;
+  }
+
+  private point(event: PointerEvent): void {
+    const toMap = this.map.getScreenCTM()?.inverse();
+    if (!this.canPlace() || !toMap) return;
+    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(toMap);
+    this.placed(x, y);
   }
 
   private area(zone: Exclude<Zone, "none" | "out">, x0: number, z0: number, x1: number, z1: number): void {
     const box = s("rect", { class: "floor-zone", "data-zone": zone, x: x0, y: z0, width: x1 - x0, height: z1 - z0 });
     this.areas.set(zone, box);
     this.map.append(box);
-    const x = (x0 + x1) / 2;
-    const y = (z0 + z1) / 2 + 0.05;
-    if (zone === "left" || zone === "right") {
-      this.label("floor.turn", x, y - 0.08, "");
-      this.label(`floor.turn.${zone}`, x, y + 0.08, "");
-    } else if (zone === "work") this.label("zone.work", x, z0 + 0.26, "large");
-    else this.label(`zone.${zone}`, x, y, "");
+  }
+
+  private names({ depth_cuts_m: [near, work, back, far], center_half_width_m: center, side_limit_m: side }: ZoneInfo): void {
+    for (const [turn, x] of [["left", -(center + side) / 2], ["right", (center + side) / 2]] as const) {
+      this.label("floor.turn", x, (near + far) / 2 - 0.04, "");
+      this.label(`floor.turn.${turn}`, x, (near + far) / 2 + 0.12, "");
+    }
+    this.label("zone.forward", 0, (near + work) / 2 + 0.04, "");
+    this.label("zone.work", 0, work + 0.27, "large");
+    this.label("zone.back", 0, (back + far) / 2 + 0.04, "");
   }
 
   private label(key: Key, x: number, y: number, kind: string): void {

@@ -11,6 +11,7 @@ const KEYS: readonly (readonly [string, Key])[] = [
   ["P", "help.pause"],
   ["← →", "help.seek"],
   ["[ ]", "help.speed"],
+  [".", "help.step"],
   ["O", "help.loop"],
   ["R", "help.record"],
   ["B", "help.recordings"],

@@ -65,7 +65,7 @@ export class LatencyPanel implements Panel {
     if (now_ms - this.drawn_ms < EVERY_MS) return;
     this.drawn_ms = now_ms;
     this.fps.set(t("latency.fps", { fps: (state.source?.fps ?? 0).toFixed(0) }));
-    this.clients.set(t("latency.clients", { count: state.clients }));
+    this.clients.set(t(state.clients === 1 ? "latency.client" : "latency.clients", { count: state.clients }));
     const motion = state.latency_ms[HEADLINE];
     this.median.set(motion ? ms(motion.p50) : "–");
     this.p95.set(motion ? ms(motion.p95) : "–");

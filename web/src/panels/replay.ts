@@ -1,7 +1,7 @@
-/** What is playing: name, play and pause, timeline, speed, recordings. */
+/** What is playing: name, timeline, play, step, speed, recording it, and the other recordings. */
 
 import { act } from "../act";
-import { api } from "../api";
+import { RequestError, api } from "../api";
 import { clock } from "../clock";
 import { Attribute, Text, h } from "../dom";
 import { t, titled, translated } from "../i18n";
@@ -11,15 +11,17 @@ import { Timeline } from "../timeline";
 import type { EventMessage, SourceState, State } from "../wire";
 import type { RecordingsSheet } from "./recordings";
 
-const SPEEDS = [0.25, 0.5, 1, 2, 4, 8] as const;
-const STEP_S = 5;
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8] as const;
+const SEEK_S = 5;
 /** After a change the controls wait this long for states that know of it. */
 const SETTLE_MS = 600;
+const OPENED = "source.opened";
 
 export class ReplayPanel implements Panel {
   readonly element: HTMLElement;
   private readonly glyph = icon("pause");
   private readonly play = titled(h("button", { class: "button round", type: "button" }, this.glyph), "replay.play");
+  private readonly next = titled(h("button", { class: "button round", type: "button" }, icon("step")), "replay.step");
   private readonly timeline = new Timeline();
   private readonly slider = this.timeline.slider;
   private readonly loop = titled(h("button", { class: "button round", type: "button" }, icon("loop")), "replay.loop");
@@ -32,12 +34,15 @@ export class ReplayPanel implements Panel {
   private readonly time = new Text(h("output"));
   private readonly live: Attribute;
   private source: SourceState | null = null;
+  /** The recording whose story was asked for. */
+  private told = "";
   private quiet_until_ms = 0;
   private dragging = false;
 
   constructor(recordings: RecordingsSheet) {
     for (const speed of SPEEDS) this.speed.append(h("option", { value: speed, selected: speed === 1 }, `${speed} ×`));
     this.play.addEventListener("click", () => this.toggle());
+    this.next.addEventListener("click", () => this.stepFrame());
     this.slider.addEventListener("input", () => {
       this.dragging = true;
       this.showTime(Number(this.slider.value));
@@ -50,15 +55,15 @@ export class ReplayPanel implements Panel {
     this.loop.addEventListener("click", () => this.toggleLoop());
     this.record.addEventListener("click", () => this.toggleRecord());
     const open = translated(h("button", { class: "button", type: "button" }), "replay.recordings");
-    open.prepend(icon("files"));
     open.addEventListener("click", () => void recordings.open());
     const { element, tools } = frame(
       "replay",
       "panel.replay",
+      h("div", { class: "replayed", "data-commands": true }, this.timeline.element),
       h(
         "div",
         { class: "transport" },
-        h("div", { class: "replayed", "data-commands": true }, this.play, this.timeline.element, this.time.element, this.loop, this.speed),
+        h("div", { class: "replayed", "data-commands": true }, this.play, this.next, this.time.element, h("span", { class: "gap" }), this.loop, this.speed),
         h("span", { "data-commands": true }, this.record),
         open,
       ),
@@ -73,6 +78,11 @@ export class ReplayPanel implements Panel {
     void act(this.source.paused || this.source.ended ? api.play() : api.pause());
   }
 
+  /** Shows the one frame that comes next. */
+  stepFrame(): void {
+    if (this.source?.live === false) void act(api.step());
+  }
+
   toggleLoop(): void {
     if (this.source?.live === false) void act(api.loop(!this.source.loop));
   }
@@ -85,7 +95,7 @@ export class ReplayPanel implements Panel {
 
   /** Moves by some steps of five seconds. */
   step(steps: number): void {
-    if (this.source?.live === false) this.seek(this.source.position_s + steps * STEP_S);
+    if (this.source?.live === false) this.seek(this.source.position_s + steps * SEEK_S);
   }
 
   /** One speed up or down. */
@@ -113,7 +123,27 @@ export class ReplayPanel implements Panel {
   }
 
   event(event: EventMessage): void {
+    if (event.reason === OPENED) {
+      this.timeline.clear();
+      this.told = "";
+    }
     this.timeline.event(event);
+  }
+
+  /** What the recording says of itself, for the timeline; one that is not in the library says nothing. */
+  private async tell(source: SourceState): Promise<void> {
+    this.told = source.uri;
+    if (source.kind !== "mcap") return;
+    try {
+      const story = await api.story(source.uri);
+      if (this.told === source.uri) this.timeline.tell(story);
+    } catch (error) {
+      if (!(error instanceof RequestError)) throw error;
+    }
+  }
+
+  restyle(): void {
+    this.timeline.restyle();
   }
 
   state(state: State, now_ms: number): void {
@@ -133,8 +163,11 @@ export class ReplayPanel implements Panel {
     this.marks.set(marks.join(" · "));
     this.looping.set(String(source.loop));
     this.recording.set(String(source.recording));
-    this.timeline.extend(source.duration_s ?? 0);
     setIcon(this.glyph, source.paused || source.ended ? "play" : "pause");
+    if (source.live) return;
+    this.timeline.extend(source.duration_s ?? 0);
+    if (this.told !== source.uri) void this.tell(source);
+    if (!source.paused) this.timeline.play(source.position_s, state.mode);
     if (this.dragging || now_ms < this.quiet_until_ms) return;
     this.slider.value = String(source.position_s);
     this.showTime(source.position_s);

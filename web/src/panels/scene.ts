@@ -13,6 +13,8 @@ export class ScenePanel implements Panel {
   private readonly note = new Text(h("p", { class: "scene-note" }));
   private readonly speed = new Text(h("p", { class: "scene-speed" }));
   private readonly cost = new Text(h("span", { class: "scene-cost" }));
+  private readonly commanded = translated(h("span", { class: "ghost-name", "data-ghost": "commanded", hidden: true }), "scene.commanded");
+  private readonly recorded = translated(h("span", { class: "ghost-name", "data-ghost": "recorded", hidden: true }), "scene.recorded");
   private readonly followButton = translated(h("button", { class: "chip", type: "button" }), "scene.follow");
   private readonly homeButton = translated(h("button", { class: "chip", type: "button" }), "scene.home");
   private stage: Stage | null = null;
@@ -26,10 +28,17 @@ export class ScenePanel implements Panel {
   constructor() {
     const { element, tools } = frame("scene", "panel.scene", this.box);
     this.element = element;
-    this.box.append(this.note.element, this.speed.element, this.label.element, this.pick.element);
+    this.box.append(
+      this.note.element,
+      h("div", { class: "scene-legend" }, this.commanded, this.recorded),
+      this.cost.element,
+      this.speed.element,
+      this.label.element,
+      this.pick.element,
+    );
     // In a tab of its own: the console with its stop button stays.
     const studies = translated(h("a", { class: "chip", href: "./motion.html", target: "_blank" }), "scene.studies");
-    tools.append(this.cost.element, studies, this.followButton, this.homeButton);
+    tools.append(studies, this.followButton, this.homeButton);
     this.followButton.addEventListener("click", () => this.toggleFollow());
     this.homeButton.addEventListener("click", () => this.stage?.home());
     this.showFollow();
@@ -51,6 +60,10 @@ export class ScenePanel implements Panel {
     this.stage = new Stage(
       this.box,
       (triangles, ms) => this.cost.set(t("scene.triangles", { count: triangles, ms: ms.toFixed(0) })),
+      (commanded, recorded) => {
+        this.commanded.hidden = !commanded;
+        this.recorded.hidden = !recorded;
+      },
       (fruit) => void this.pick.ask(fruit),
       (fruit) => this.label.set(fruit === null ? "" : this.pick.called(fruit)),
     );

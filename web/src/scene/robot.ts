@@ -1,25 +1,32 @@
-/** The robot from its URDF, and a ghost of the pose that is commanded of its arms, before the limits. */
+/** The robot from its URDF; ghosts of the pose that is commanded of its arms, before the limits, and of a recorded one. */
 
 import { Group, Mesh, MeshLambertMaterial, type Object3D } from "three";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
-import type { ArmJoints, ArmTargetState, CommandState, RobotWire, State } from "../wire";
+import type { ArmJoints, ArmTargetState, CommandState, Ghost, RobotWire, State } from "../wire";
+import { STILL_RAD, SeeThrough, setJoint } from "./ghost";
 import { mergeLink } from "./merge";
 import { Shadow } from "./shadow";
 import { Spray } from "./spray";
 
-/** A difference the eye cannot see in this view. */
-const STILL_RAD = 5e-4;
 const GHOST_FROM_RAD = 0.05;
+/** The recorded robot is shown once it is this far from the present one. */
+const RECORDED_FROM_M = 0.03;
+const COMMANDED = 0x8fe3b8;
+const RECORDED = 0xf0a83c;
 const SPRAYER = "rear_tool";
 const RAD = Math.PI / 180;
 const ARM_JOINT = /^(right|left|rear)_/;
+/** Wheels turn without anybody seeing it. */
+const POSED = /^(?!wheel)/;
 
 export class RobotModel {
+  /** The robot with its commanded ghost, and the recorded one, each at its place in the world. */
   readonly group = new Group();
+  private readonly here = new Group();
   private readonly robot: URDFRobot;
-  private readonly ghost: URDFRobot;
+  private readonly commanded: SeeThrough;
+  private readonly recorded: SeeThrough;
   private readonly materials = new Map<number, MeshLambertMaterial>();
-  private readonly ghostMaterial = new MeshLambertMaterial({ color: 0x8fe3b8, transparent: true, opacity: 0.3, depthWrite: false });
   private readonly shadow = new Shadow();
   private readonly spray = new Spray();
 
@@ -30,19 +37,19 @@ export class RobotModel {
     const loader = new URDFLoader();
     loader.parseCollision = false;
     this.robot = loader.parse(urdf);
-    this.ghost = loader.parse(urdf);
+    this.commanded = new SeeThrough(urdf, COMMANDED, onArm);
+    this.recorded = new SeeThrough(urdf, RECORDED, () => true);
     for (const link of Object.values(this.robot.links)) {
       for (const { mesh, opacity } of mergeLink(link)) mesh.material = this.material(opacity);
     }
-    for (const link of Object.values(this.ghost.links)) {
-      for (const { mesh } of mergeLink(link)) {
-        mesh.material = this.ghostMaterial;
-        mesh.visible = onArm(link);
-      }
-    }
-    this.ghost.visible = false;
     this.robot.links[SPRAYER]?.add(this.spray.mesh);
-    this.group.add(this.shadow.mesh, this.robot, this.ghost);
+    this.here.add(this.shadow.mesh, this.robot, this.commanded.group);
+    this.group.add(this.here, this.recorded.group);
+  }
+
+  /** Which ghosts are seen now. */
+  get ghosts(): { commanded: boolean; recorded: boolean } {
+    return { commanded: this.commanded.group.visible, recorded: this.recorded.group.visible };
   }
 
   private material(opacity: number): MeshLambertMaterial {
@@ -55,22 +62,28 @@ export class RobotModel {
   }
 
   /** Takes the pose of a state; true when the picture changes. */
-  set({ robot: state, command }: State): boolean {
-    let changed = this.move(state);
+  set({ robot: state, command, ghost }: State): boolean {
+    let changed = move(this.here, state.base);
     for (const name in state.joints) {
       changed = setJoint(this.robot, name, state.joints[name] ?? 0) || changed;
     }
     changed = this.spray.set(state.spray_on, state.liquid) || changed;
+    changed = this.setRecorded(state, ghost) || changed;
     return this.setGhost(state, command) || changed;
   }
 
-  private move(state: RobotWire): boolean {
-    const { x, y, yaw } = state.base;
-    const { position, rotation } = this.group;
-    if (Math.hypot(position.x - x, position.y - y) < STILL_RAD && Math.abs(rotation.z - yaw) < STILL_RAD) return false;
-    position.set(x, y, 0);
-    rotation.z = yaw;
-    return true;
+  /** The recorded robot shows where it was when it was elsewhere, or held its arms otherwise. */
+  private setRecorded(state: RobotWire, ghost: Ghost | null): boolean {
+    if (!ghost) return this.recorded.show(false);
+    let away = Math.hypot(ghost.base.x - state.base.x, ghost.base.y - state.base.y) > RECORDED_FROM_M;
+    away ||= Math.abs(ghost.base.yaw - state.base.yaw) > GHOST_FROM_RAD;
+    for (const name in ghost.joints) {
+      if (POSED.test(name) && Math.abs((ghost.joints[name] ?? 0) - (state.joints[name] ?? 0)) > GHOST_FROM_RAD) away = true;
+    }
+    const changed = this.recorded.show(away);
+    if (!away) return changed;
+    const moved = move(this.recorded.group, ghost.base);
+    return this.recorded.pose(ghost.joints) || moved || changed;
   }
 
   /** The ghost shows while an arm is on its way. */
@@ -80,14 +93,8 @@ export class RobotModel {
     for (const [name, goal] of goals) {
       if (Math.abs(goal - (state.joints[name] ?? 0)) > GHOST_FROM_RAD) away = true;
     }
-    const changed = this.ghost.visible !== away;
-    this.ghost.visible = away;
-    if (!away) return changed;
-    let moved = false;
-    for (const name in state.joints) {
-      moved = setJoint(this.ghost, name, goals.get(name) ?? state.joints[name] ?? 0) || moved;
-    }
-    return moved || changed;
+    const changed = this.commanded.show(away);
+    return away ? this.commanded.pose(state.joints, goals) || changed : changed;
   }
 
   /** Where each arm joint shall go: as commanded while an arm is, else as the motors are told. */
@@ -108,7 +115,8 @@ export class RobotModel {
 
   dispose(): void {
     for (const material of this.materials.values()) material.dispose();
-    this.ghostMaterial.dispose();
+    this.commanded.dispose();
+    this.recorded.dispose();
     this.shadow.dispose();
     this.spray.dispose();
     this.group.traverse((object) => {
@@ -117,10 +125,13 @@ export class RobotModel {
   }
 }
 
-function setJoint(robot: URDFRobot, name: string, value: number): boolean {
-  const joint = robot.joints[name];
-  if (!joint || Math.abs(Number(joint.angle) - value) < STILL_RAD) return false;
-  return joint.setJointValue(value);
+/** Puts something on the floor; true when it moved. */
+function move(group: Group, { x, y, yaw }: RobotWire["base"]): boolean {
+  const { position, rotation } = group;
+  if (Math.hypot(position.x - x, position.y - y) < STILL_RAD && Math.abs(rotation.z - yaw) < STILL_RAD) return false;
+  position.set(x, y, 0);
+  rotation.z = yaw;
+  return true;
 }
 
 function onArm(link: Object3D): boolean {

@@ -81,6 +81,7 @@ export class Stage {
   constructor(
     private readonly box: HTMLElement,
     private readonly report: (triangles: number, cost_ms: number) => void,
+    private readonly ghosts: (commanded: boolean, recorded: boolean) => void,
     private readonly chosen: (fruit: string) => void = () => {},
     private readonly over: (fruit: string | null) => void = () => {},
   ) {
@@ -145,6 +146,8 @@ export class Stage {
     if (this.meant.set(fruit)) this.invalidate();
     if (this.scenery?.moved.set(state.robot.moved)) this.invalidate();
     if (!this.robot?.set(state)) return;
+    const { commanded, recorded } = this.robot.ghosts;
+    this.ghosts(commanded, recorded);
     const { x, y } = state.robot.base;
     this.step.set(x, y, 0).sub(this.base);
     this.base.add(this.step);

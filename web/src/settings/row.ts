@@ -1,7 +1,8 @@
 /** One setting: its name, input, unit, legal range, what it is, and why a value was refused. */
 
 import { Text, h } from "../dom";
-import { t, titled } from "../i18n";
+import { language, t, titled } from "../i18n";
+import { SETTINGS_ZH } from "../i18n/settings_zh";
 import type { Field, Value } from "./schema";
 
 let made = 0;
@@ -11,6 +12,7 @@ export class SettingRow {
   private readonly input: HTMLInputElement | HTMLSelectElement;
   private readonly refusal = new Text(h("p", { class: "setting-refusal", role: "alert" }));
   private readonly standard = titled(h("button", { class: "chip", type: "button", hidden: true }, "↺"), "settings.standard");
+  private readonly about = new Text(h("p", { class: "setting-about" }));
   private running: Value = null;
 
   constructor(
@@ -18,10 +20,10 @@ export class SettingRow {
     private readonly changed: () => void,
   ) {
     const id = `setting-${made++}`;
-    const about = `${id}-about`;
+    this.about.element.id = `${id}-about`;
     this.input = inputFor(field);
     this.input.id = id;
-    this.input.setAttribute("aria-describedby", about);
+    this.input.setAttribute("aria-describedby", this.about.element.id);
     this.input.addEventListener("input", () => this.touched());
     this.standard.addEventListener("click", () => {
       this.show(field.standard ?? null);
@@ -32,9 +34,15 @@ export class SettingRow {
       { class: "setting", "data-path": field.path },
       h("label", { for: id }, field.name),
       h("span", { class: "setting-value" }, this.input, h("span", { class: "setting-unit" }, field.unit), this.standard),
-      h("p", { class: "setting-about", id: about }, rangeText(field), field.about),
+      this.about.element as HTMLElement,
       this.refusal.element as HTMLElement,
     );
+    this.relabel();
+  }
+
+  /** What it is, in the operator's language. */
+  relabel(): void {
+    this.about.set(rangeText(this.field) + aboutText(this.field));
   }
 
   /** Takes the value in force over. */
@@ -67,7 +75,7 @@ export class SettingRow {
   }
 
   matches(words: string): boolean {
-    return words === "" || `${this.field.path} ${this.field.about}`.toLowerCase().includes(words);
+    return words === "" || `${this.field.path} ${this.field.about} ${aboutText(this.field)}`.toLowerCase().includes(words);
   }
 
   set enabled(enabled: boolean) {
@@ -89,6 +97,10 @@ export class SettingRow {
     this.element.toggleAttribute("data-changed", this.isChanged);
     this.standard.hidden = !this.differsFromStandard;
   }
+}
+
+function aboutText({ path, about }: Field): string {
+  return (language() === "zh" ? SETTINGS_ZH[path.replace(/^teleop\./, "")] : undefined) ?? about;
 }
 
 function inputFor(field: Field): HTMLInputElement | HTMLSelectElement {

@@ -3,7 +3,8 @@
 import { act, notify } from "../act";
 import { RequestError, api } from "../api";
 import { h } from "../dom";
-import { t, translated } from "../i18n";
+import { hinted, language, t, translated } from "../i18n";
+import { SECTIONS_ZH } from "../i18n/settings_zh";
 import { Sheet } from "../sheet";
 import { SettingRow } from "./row";
 import { type Json, type Value, fieldsOf, refusals, treeOf, valueAt } from "./schema";
@@ -13,12 +14,13 @@ import { download, toml } from "./toml";
 const LIVE = "teleop";
 const FILE = "teleop.toml";
 
-/** Called with the values that were in force before, once new ones are taken. */
-export type Applied = (before: ReadonlyMap<string, Value>) => void;
+/** Called with the values that were in force before and those that are now, once new ones are taken. */
+export type Applied = (before: ReadonlyMap<string, Value>, after: ReadonlyMap<string, Value>) => void;
 
 export class SettingsSheet {
-  private readonly search = translatedPlaceholder(h("input", { type: "search", class: "search" }));
-  private readonly list = h("div", { class: "settings" });
+  private readonly search = hinted(h("input", { type: "search", class: "search" }), "settings.search");
+  private readonly list = h("div", { class: "settings" }, translated(h("p", { class: "waiting" }), "settings.loading"));
+  private readonly nothing = translated(h("p", { class: "waiting", hidden: true }), "settings.nothing");
   private readonly note = h("p", { class: "setting-refusal", role: "alert" });
   private readonly apply = translated(h("button", { class: "button primary", type: "submit", disabled: true }), "settings.apply");
   private readonly undo = translated(h("button", { class: "button", type: "button" }), "settings.undo");
@@ -29,6 +31,7 @@ export class SettingsSheet {
     { class: "settings-form", novalidate: true },
     this.search,
     this.list,
+    this.nothing,
     this.note,
     h("div", { class: "sheet-foot" }, this.count, this.keep, this.undo, this.apply),
   );
@@ -81,19 +84,26 @@ export class SettingsSheet {
     for (const row of rows) {
       let section = sections.get(row.field.section);
       if (!section) {
-        const title = row.field.section.split(".").slice(1).join(" · ") || row.field.section;
-        section = h("details", { class: "setting-section" }, h("summary", {}, title.replaceAll("_", " ")));
+        section = h("details", { class: "setting-section" }, h("summary", { "data-section": row.field.section }));
         sections.set(row.field.section, section);
       }
       section.append(row.element);
     }
     this.list.replaceChildren(...sections.values());
+    this.restyle();
     this.filter(); // words may have been typed already
+  }
+
+  /** The language changed. */
+  restyle(): void {
+    for (const row of this.rows) row.relabel();
+    for (const summary of this.list.querySelectorAll("summary")) summary.textContent = sectionName(summary.dataset["section"] ?? "");
   }
 
   private filter(): void {
     const words = this.search.value.trim().toLowerCase();
     for (const row of this.rows) row.element.hidden = !row.matches(words);
+    this.nothing.hidden = this.rows.length === 0 || this.rows.some((row) => !row.element.hidden);
     for (const section of this.list.querySelectorAll("details")) {
       const hits = section.querySelectorAll(".setting:not([hidden])").length;
       section.hidden = hits === 0;
@@ -129,7 +139,7 @@ export class SettingsSheet {
     this.show();
     if (this.applied) {
       this.sheet.close();
-      this.applied(before);
+      this.applied(before, new Map(changed.map((row) => [row.field.path, row.value])));
     } else notify(t("settings.done"));
   }
 
@@ -150,7 +160,9 @@ export class SettingsSheet {
   }
 }
 
-function translatedPlaceholder(input: HTMLInputElement): HTMLInputElement {
-  input.setAttribute("data-i18n-placeholder", "settings.search");
-  return input;
+/** `teleop.body.filter`: Body · filter. */
+function sectionName(path: string): string {
+  const parts = path.split(".").slice(1);
+  const word = (part: string) => (language() === "zh" ? SECTIONS_ZH[part] : undefined) ?? part.replaceAll("_", " ");
+  return (parts.length ? parts : [path]).map(word).join(" · ");
 }
