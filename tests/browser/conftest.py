@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from console_server import ROOT, ConsoleServer
+from console_server import ROOT, ConsoleServer, wait_for
 from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright
 
 CLIENT_KEY = "the-browser-tests"
@@ -96,3 +96,19 @@ def page(browser: Browser, server: ConsoleServer, logged: list[str]) -> Iterator
     server.post("/estop/reset")
     server.post("/replay/play")
     assert logged == []
+
+
+@pytest.fixture
+def demo_afterwards(page: Page, server: ConsoleServer) -> Iterator[None]:
+    """Whatever a test plays and however it ends, the next one finds the bundled recording and a free lease."""
+    yield
+    page.evaluate(
+        """async () => {
+          const id = { 'X-Teleop-Client': sessionStorage.getItem('greenhouse-client') };
+          const body = JSON.stringify({ source: 'greenhouse_demo', loop: true });
+          const json = { ...id, 'Content-Type': 'application/json' };
+          await fetch('/api/v1/sessions', { method: 'POST', headers: json, body });
+          await fetch('/api/v1/lease/release', { method: 'POST', headers: id });
+        }"""
+    )
+    wait_for("the bundled recording plays", lambda: server.plays("greenhouse_demo"))

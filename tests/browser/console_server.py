@@ -81,6 +81,10 @@ class ConsoleServer:
         response.raise_for_status()
         return dict(response.json())
 
+    def plays(self, uri: str) -> bool:
+        """Whether that is the source now; there is none for a moment while another one is opened."""
+        return (self.state()["source"] or {}).get("uri") == uri
+
     def token(self, role: str) -> str:
         """The token of a role, which the server tells at its first start."""
         found = re.search(rf"\bgt_{role}_\S+", (self._folder / "serve.log").read_text())

@@ -67,19 +67,20 @@ def test_a_table_is_made_and_saved(page: Page, tmp_path: Path) -> None:
     assert len(lines) == FRAMES + 1
 
 
+@pytest.mark.usefixtures("demo_afterwards")
 def test_the_recorded_robot_is_a_ghost_and_its_story_is_on_the_timeline(
     page: Page, server: ConsoleServer, tmp_path: Path
 ) -> None:
     page.keyboard.press("b")
     page.locator("input[type=file]").set_input_files(short_recording(tmp_path / "elsewhere.mcap", robot_at_m=0.7))
     page.locator(".recording", has_text="elsewhere").click()
-    wait_for("it plays", lambda: server.state()["source"]["uri"] == "elsewhere")
+    wait_for("it plays", lambda: server.plays("elsewhere"))
     expect(page.locator(".ghost-name[data-ghost=recorded]")).to_be_visible(timeout=60_000)
     expect(page.locator(".timeline-marks [data-family=tool]")).to_have_count(1)
     expect(page.locator(".band").first).to_be_visible()
     page.keyboard.press("b")
     page.locator(".recording", has_text="greenhouse demo").click()
-    wait_for("the other one plays", lambda: server.state()["source"]["uri"] == "greenhouse_demo")
+    wait_for("the other one plays", lambda: server.plays("greenhouse_demo"))
     expect(page.locator(".ghost-name[data-ghost=recorded]")).to_be_hidden()
 
 

@@ -109,6 +109,6 @@ def test_marks_of_the_timeline_tell_what_happened(page: Page, server: ConsoleSer
     expect(mark).to_be_attached()
     box = mark.bounding_box()
     assert box is not None
-    page.mouse.move(box["x"] + 1, box["y"] - 4)
+    page.mouse.move(box["x"] + 1, box["y"] + box["height"] / 2)
     expect(page.locator(".timeline-tip b")).to_have_text(re.compile(r"^\d+:\d\d$"))
     expect(page.locator(".timeline-tip span").first).to_be_visible()

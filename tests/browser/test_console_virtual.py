@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import pytest
 from console_server import ConsoleServer, wait_for
@@ -16,19 +15,12 @@ LONG_S = 120.0
 
 
 @pytest.fixture
-def virtual(page: Page, server: ConsoleServer) -> Iterator[Page]:
-    """The console with the virtual operator, and the recording again afterwards."""
+def virtual(page: Page, demo_afterwards: None) -> Page:
+    """The console with the virtual operator."""
     page.keyboard.press("b")
     page.get_by_role("button", name="Try it without a camera").click()
     expect(page.locator(".panel-puppet")).to_be_visible()
-    yield page
-    page.keyboard.press("b")
-    page.locator(".recording", has_text="greenhouse demo").click()
-    wait_for("the recording plays", lambda: server.state()["source"]["uri"] == "greenhouse_demo")
-    page.evaluate(
-        """fetch('/api/v1/lease/release', { method: 'POST', headers: {
-          'X-Teleop-Client': sessionStorage.getItem('greenhouse-client') } })"""
-    )
+    return page
 
 
 def test_a_virtual_operator_is_driven_from_the_console(virtual: Page, server: ConsoleServer) -> None:

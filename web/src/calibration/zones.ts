@@ -91,8 +91,9 @@ export class ZonesStep implements Step {
     this.note.textContent = "";
     try {
       await api.changeConfig(treeOf(lengths_m));
+      const l1_m = lengths_m.get(`${SECTION}.l1_m`) ?? this.settings[0]?.value ?? "";
+      this.done = t("calibrate.zones.result", { z: String(l1_m) });
       await this.load();
-      this.done = t("calibrate.zones.result", { z: (this.settings[0]?.value ?? "").toString() });
     } catch (error) {
       if (!(error instanceof RequestError)) throw error;
       const by = refusals(error.message, [...lengths_m.keys()]);
