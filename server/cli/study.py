@@ -123,7 +123,7 @@ def tomato(output: Output = Path("out/study_tomato"), seed: Seed = 0, quick: Qui
 def leg_features(
     output: Output = Path("out/study_leg_features"),
     seed: Seed = 0,
-    seconds: Annotated[int | None, typer.Option(min=4, max=3600, help="Frames, one a second, of each (300).")] = None,
+    seconds: Annotated[int | None, typer.Option(min=4, max=3600, help="Samples, one a second, of each (300).")] = None,
     quick: Quick = False,
 ) -> None:
     """Which vectors of the legs keep a steady angle: ten rendered people, through the tracker (source's table 1)."""
@@ -133,7 +133,8 @@ def leg_features(
         r = run_leg_study(output, _trials(seconds, 300, quick), seed, show)
     for i, pair in enumerate(PAIRS):
         typer.echo(
-            f"{pair}: tracked {r.tracked_deg2[:, i].mean():.2f} deg^2, true joints {r.true_deg2[:, i].mean():.2f}, "
+            f"{pair}: tracked {r.tracked_deg2[:, i].mean():.2f} deg^2, single frames {r.single_deg2[:, i].mean():.2f}, "
+            f"true joints {r.true_deg2[:, i].mean():.2f}, "
             f"source {SOURCE_DEG2[pair]:.2f}"
         )
     typer.echo(f"steadiest as tracked: {r.steadiest} (source: H-K)")

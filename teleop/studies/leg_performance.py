@@ -40,9 +40,9 @@ STAND_Z_M: Final = 3.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """One frame of somebody. joints_m (20, 3) true, camera axes."""
+    """One second of somebody. frames: the last few of it, at 30 Hz; joints_m (20, 3): true at the last, camera axes."""
 
-    frame: DepthFrame
+    frames: tuple[DepthFrame, ...]
     joints_m: F64
     picking: bool
 
@@ -62,10 +62,12 @@ def legs_of(clips: PoseLibrary, i: int, base: F64, apart_rad: float) -> tuple[Le
     return legs[0], legs[1]
 
 
-def perform(number: int, seconds: int, seed: int, size: tuple[int, int] = (320, 240)) -> Iterator[Sample]:
-    """Person ``number`` of PEOPLE, one frame a second: picking in the first half, spraying in the second.
+def perform(
+    number: int, seconds: int, seed: int, size: tuple[int, int] = (320, 240), burst: int = 1
+) -> Iterator[Sample]:
+    """Person ``number`` of PEOPLE, once a second: picking in the first half, spraying in the second.
 
-    size: of the images; the default is the tracker's own working resolution.
+    size: of the images; the default is the tracker's own working resolution. burst: frames of each second.
 
     Raises DataError without the motion capture or the MakeHuman files.
     """
@@ -85,18 +87,28 @@ def perform(number: int, seconds: int, seed: int, size: tuple[int, int] = (320, 
         picking = second < seconds // 2
         # 60 Hz; after a whole round the samples fall between the earlier ones
         at = (start + 60 * second + 17 * (60 * second // sum(map(len, clips)))) % sum(map(len, clips))
-        clip = 0
-        while at >= len(clips[clip]):
-            at, clip = at - len(clips[clip]), clip + 1
-        recorded = clips[clip]
+        recorded, at = _clip_at(clips, at)
         base = np.array([[unit(recorded.limbs[:, k, j].mean(axis=0)) for j in (2, 3)] for k in range(2)])
         arms = [plane_arm(rng, 1.0) if rng.uniform() < 0.7 else reaching_arm(rng, 1.0)]
         arms.append(plane_arm(rng, -1.0) if picking else hanging_arm(rng, -1.0))
-        legs = legs_of(recorded, at, base, PICKING_APART_RAD if picking else 0.0)
-        pelvis, chest, head = recorded.trunk[at]
-        pose = Pose((arms[0], arms[1]), legs, pelvis, chest, head)
-        posed = pose_rig(body.rig, pose)
-        placed = stand(posed, skin(body, posed, worn.vertices_m), 0.0, STAND_Z_M, np.eye(3))
-        shot = shoot((Figure(body, worn, pose, placed),), room, view, camera)
-        depth = sense(shot.depth_m, camera, rng).depth_mm
-        yield Sample(DepthFrame(second * 1_000_000_000, depth, camera, None, second), shot.joints_m, picking)
+        frames, joints = [], np.empty(0)
+        for k in range(burst):
+            moment = max(0, at - 2 * (burst - 1 - k))  # every second of 60 Hz
+            legs = legs_of(recorded, moment, base, PICKING_APART_RAD if picking else 0.0)
+            pelvis, chest, head = recorded.trunk[moment]
+            pose = Pose((arms[0], arms[1]), legs, pelvis, chest, head)
+            posed = pose_rig(body.rig, pose)
+            placed = stand(posed, skin(body, posed, worn.vertices_m), 0.0, STAND_Z_M, np.eye(3))
+            shot = shoot((Figure(body, worn, pose, placed),), room, view, camera)
+            depth, joints = sense(shot.depth_m, camera, rng).depth_mm, shot.joints_m
+            t_ns = second * 1_000_000_000 - (burst - 1 - k) * 33_333_333
+            frames.append(DepthFrame(t_ns, depth, camera, None, second))
+        yield Sample(tuple(frames), joints, picking)
+
+
+def _clip_at(clips: tuple[PoseLibrary, ...], at: int) -> tuple[PoseLibrary, int]:
+    """The clip and the frame in it, of a frame number over all clips."""
+    clip = 0
+    while at >= len(clips[clip]):
+        at, clip = at - len(clips[clip]), clip + 1
+    return clips[clip], at

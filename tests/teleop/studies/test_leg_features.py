@@ -34,7 +34,12 @@ def test_legs_move_as_recorded() -> None:
         pytest.skip("needs the data sets cmu_mocap and makehuman (TELEOP_DATA)")
     from teleop.studies.leg_performance import perform
 
-    samples = list(perform(2, 6, 0, (160, 120)))
+    samples = list(perform(2, 6, 0, (160, 120), burst=2))
+    assert [[f.t_ns for f in s.frames] for s in samples[1:3]] == [
+        [966_666_667, 1_000_000_000],
+        [1_966_666_667, 2_000_000_000],
+    ]
+    assert (samples[1].frames[0].depth_mm != samples[1].frames[1].depth_mm).any()
     assert [s.picking for s in samples] == [True] * 3 + [False] * 3
     legs = [JOINT_INDEX[n] for n in ("knee_right", "knee_left", "ankle_right", "ankle_left")]
     moved = np.ptp([s.joints_m[legs] for s in samples[:3]], axis=0)
