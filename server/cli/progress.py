@@ -30,6 +30,24 @@ def frame_progress(title: str, total: int | None) -> Iterator[Callable[[DepthFra
 
 
 @contextmanager
+def named_progress() -> Iterator[Callable[[str, float], None]]:
+    """Yields a function to call with the name of a stage and its share done; every stage has a bar of its own."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, disable=not console.is_terminal) as bars:
+        tasks: dict[str, int] = {}
+
+        def show(name: str, share: float) -> None:
+            if name not in tasks:
+                tasks[name] = bars.add_task(name, total=1.0)
+            bars.update(bars.task_ids[tasks[name]], completed=share)
+
+        yield show
+
+
+@contextmanager
 def archive_progress(console: Console) -> Iterator[Callable[[int, int, int], None]]:
     """Yields a function to call with the recordings finished, the recordings in all, and the frames so far."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn

@@ -12,7 +12,7 @@ def hands(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for hands.md, hands.csv, hands.png.")] = Path(
         "out/study_hands"
     ),
-    people: Annotated[int, typer.Option(min=5, max=100_000, help="Rendered people, two hands each.")] = 400,
+    people: Annotated[int, typer.Option(min=5, max=100_000, help="Rendered people, two hands each.")] = 1200,
     tracker: Annotated[bool, typer.Option("--tracker/--no-tracker", help="Also with the tracker's own joints.")] = True,
     session: Annotated[bool, typer.Option("--session/--no-session", help="Also over the bundled recording.")] = True,
     webcam: Annotated[
@@ -20,9 +20,7 @@ def hands(
     ] = True,
 ) -> None:
     """Hands of rendered people never seen: right and decided by skin, light, distance, orientation and wall."""
-    from rich.console import Console
-    from rich.progress import Progress
-
+    from server.cli.progress import named_progress
     from teleop.body.model import load_model
     from teleop.body.tracker import BodyTracker
     from teleop.config import BodyConfig, TeleopConfig
@@ -33,14 +31,7 @@ def hands(
     from teleop.pipeline import Pipeline
 
     config = TeleopConfig()
-    with Progress(console=Console(stderr=True)) as bars:
-        tasks: dict[str, int] = {}
-
-        def progress(name: str, share: float) -> None:
-            if name not in tasks:
-                tasks[name] = bars.add_task(name, total=1.0)
-            bars.update(bars.task_ids[tasks[name]], completed=share)
-
+    with named_progress() as progress:
         still = moving = None
         if tracker:
             still = BodyTracker(load_model(), single_frame_tracker_config())

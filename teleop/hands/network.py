@@ -1,14 +1,16 @@
-"""The small convolutional network that tells an open hand from a fist, in plain numpy: about a million products a hand.
+"""The small convolutional network that tells an open hand from a fist, in plain numpy: three million products a hand.
 
 Three convolutions with stride 2 and two full layers, rectified linear units between; weights in ``models/hands.npz``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Final, Literal
+from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +28,8 @@ LAYERS_OF: Final[dict[Sight, tuple[int, ...]]] = {
     "base": COLOR_LAYERS,
 }
 KERNELS: Final = (5, 3, 3)
-WIDTHS: Final = (12, 24, 32)
-HIDDEN: Final = 32
+WIDTHS: Final = (24, 48, 64)
+HIDDEN: Final = 64
 STRIDE: Final = 2
 MODEL: Final = Path(__file__).resolve().parents[1] / "models" / "hands.npz"
 
@@ -69,40 +71,48 @@ def columns(x: Array, kernel: int) -> Array:
     return view.reshape(n, rows, cols, kernel * kernel * c)
 
 
-def shapes(layers: int) -> list[tuple[int, int]]:
-    """Inputs and outputs of each layer of a network over so many patch layers."""
+def shapes(layers: int, widths: tuple[int, ...] = WIDTHS, hidden: int = HIDDEN) -> list[tuple[int, int]]:
+    """Inputs and outputs of each layer of a network over so many patch layers; a stored one may be narrower."""
     out, channels, side = [], layers, SIZE
-    for kernel, width in zip(KERNELS, WIDTHS, strict=True):
+    for kernel, width in zip(KERNELS, widths, strict=True):
         out.append((kernel * kernel * channels, width))
         channels, side = width, (side + 1) // STRIDE
-    return [*out, (side * side * channels, HIDDEN), (HIDDEN, 1)]
+    return [*out, (side * side * channels, hidden), (hidden, 1)]
 
 
-def save_networks(path: Path, networks: dict[Sight, Network]) -> None:
+def save_networks(path: Path, networks: Mapping[str, Network]) -> None:
     """Write all networks into one file, weights in half precision."""
     arrays: dict[str, npt.NDArray] = {}
-    for sight, net in networks.items():
+    for name, net in networks.items():
         for i, (w, b) in enumerate(zip(net.weight, net.bias, strict=True)):
-            arrays[f"{sight}_w{i}"], arrays[f"{sight}_b{i}"] = w.astype(np.float16), b.astype(np.float32)
-        arrays[f"{sight}_calibration"] = np.array([net.scale, net.offset])
+            arrays[f"{name}_w{i}"], arrays[f"{name}_b{i}"] = w.astype(np.float16), b.astype(np.float32)
+        arrays[f"{name}_calibration"] = np.array([net.scale, net.offset])
     path.parent.mkdir(parents=True, exist_ok=True)
     np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
 
 
-@lru_cache(maxsize=4)
-def load_networks(path: Path = MODEL) -> dict[Sight, Network]:
-    """The networks of a model file. Raises DataError when it is missing, damaged or of other shapes."""
-    networks: dict[Sight, Network] = {}
+def read_networks(path: Path, layers: Mapping[str, int], made_by: str) -> dict[str, Network]:
+    """The networks of a model file, by name; layers: of the patches each of them sees. made_by: the command.
+
+    Raises DataError when the file is missing, damaged or of other shapes.
+    """
+    networks: dict[str, Network] = {}
     try:
         with np.load(path) as stored:
-            for sight, layers in LAYERS_OF.items():
-                expected = shapes(len(layers))
-                weight = tuple(stored[f"{sight}_w{i}"].astype(np.float32) for i in range(len(expected)))
-                bias = tuple(stored[f"{sight}_b{i}"].astype(np.float32) for i in range(len(expected)))
-                if [w.shape for w in weight] != expected:
-                    raise ValueError(f"the network '{sight}' has other layers than this version's")
-                scale, offset = stored[f"{sight}_calibration"]
-                networks[sight] = Network(weight, bias, float(scale), float(offset))
-    except (OSError, ValueError, KeyError) as error:
-        raise DataError(f"hand model {path} cannot be read ({error}); make it with 'teleop train-hands'") from error
+            for name, count in layers.items():
+                weight = tuple(stored[f"{name}_w{i}"].astype(np.float32) for i in range(len(KERNELS) + 2))
+                bias = tuple(stored[f"{name}_b{i}"].astype(np.float32) for i in range(len(KERNELS) + 2))
+                expected = shapes(count, tuple(w.shape[1] for w in weight[: len(KERNELS)]), weight[-2].shape[1])
+                if [w.shape for w in weight] != expected or [b.shape for b in bias] != [(n,) for _, n in expected]:
+                    raise ValueError(f"the network '{name}' has other layers than this version's")
+                scale, offset = stored[f"{name}_calibration"]
+                networks[name] = Network(weight, bias, float(scale), float(offset))
+    except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile) as error:
+        raise DataError(f"model {path} cannot be read ({error}); make it with '{made_by}'") from error
     return networks
+
+
+@lru_cache(maxsize=4)
+def load_networks(path: Path = MODEL) -> dict[str, Network]:
+    """The hand networks. Raises DataError when their file is missing, damaged or of other shapes."""
+    return read_networks(path, {sight: len(layers) for sight, layers in LAYERS_OF.items()}, "teleop train-hands")

@@ -44,14 +44,24 @@ def hand_depth_m(frame: DepthFrame, aim: HandAim, config: HandConfig) -> float |
     return float(np.median(core)) if core.size >= 4 else None
 
 
-def rectifier(aim: HandAim) -> npt.NDArray[np.float64]:
+def rectifier(aim: HandAim, side_m: float = SIDE_M, ahead_m: float = AHEAD_M) -> npt.NDArray[np.float64]:
     """Affine map (2, 3) from patch pixels to image pixels (columns, rows)."""
-    step_px = SIDE_M * aim.px_per_m / SIZE
+    step_px = side_m * aim.px_per_m / SIZE
     up = aim.direction
     across = np.array([-up[1], up[0]]) * (-1.0 if aim.flipped else 1.0)
-    middle = np.array([aim.u, aim.v]) + AHEAD_M * aim.px_per_m * up
+    middle = np.array([aim.u, aim.v]) + ahead_m * aim.px_per_m * up
     A = np.stack([step_px * across, -step_px * up], axis=1)
     return np.concatenate([A, (middle - A @ np.full(2, (SIZE - 1) / 2))[:, None]], axis=1)
+
+
+def relief_layers(frame: DepthFrame, aim: HandAim, z_m: float, side_m: float, ahead_m: float, relief_m: float) -> Patch:
+    """Depth against ``z_m`` over ``relief_m``, clipped to -1..1, and where none is read: (SIZE, SIZE, 2) float32."""
+    M = rectifier(aim, side_m, ahead_m)
+    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
+    depth_m = cv2.warpAffine(frame.depth_mm, M, (SIZE, SIZE), flags=flags, borderValue=0).astype(np.float32) * 1e-3
+    missing = depth_m == 0.0
+    relief = np.where(missing, 1.0, np.clip((depth_m - z_m) / relief_m, -1.0, 1.0))
+    return np.stack([relief, missing], axis=2).astype(np.float32)
 
 
 def color_layers(patch_rgb: ColorImage, skin: SkinModel, on_hand: npt.NDArray[np.bool_]) -> Patch:
@@ -67,15 +77,11 @@ def hand_patch(frame: DepthFrame, aim: HandAim, z_m: float, skin: SkinModel) -> 
 
     z_m: depth of the hand's surface (``hand_depth_m``). What lies off the image has no depth and no brightness.
     """
-    M = rectifier(aim)
-    flags, size = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP, (SIZE, SIZE)
-    depth_m = cv2.warpAffine(frame.depth_mm, M, size, flags=flags, borderValue=0).astype(np.float32) * 1e-3
-    missing = depth_m == 0.0
     out = np.zeros((SIZE, SIZE, 4), np.float32)
-    out[..., 0] = np.where(missing, 1.0, np.clip((depth_m - z_m) / RELIEF_M, -1.0, 1.0))
-    out[..., 1] = missing
+    out[..., :2] = relief_layers(frame, aim, z_m, SIDE_M, AHEAD_M, RELIEF_M)
     color = color_at_depth(frame)
     if color is not None:
+        M, size = rectifier(aim), (SIZE, SIZE)
         # shrink as areas do: a camera with more pixels than the patch must not give noisier patches
         step = SIDE_M * aim.px_per_m / SIZE
         linear = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
@@ -83,7 +89,7 @@ def hand_patch(frame: DepthFrame, aim: HandAim, z_m: float, skin: SkinModel) -> 
             rgb = _smooth_warp(color, M)
         else:
             rgb = cv2.warpAffine(color, M, size, flags=linear, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)
-        on_hand = (np.abs(out[..., 0]) < 0.6) & ~missing
+        on_hand = (np.abs(out[..., 0]) < 0.6) & (out[..., 1] == 0.0)
         on_hand[: _MIDDLE.start], on_hand[_MIDDLE.stop :] = False, False
         on_hand[:, : _MIDDLE.start], on_hand[:, _MIDDLE.stop :] = False, False
         out[..., 2:] = color_layers(rgb, skin, on_hand)

@@ -42,6 +42,8 @@ class Wardrobe:
     shoes_rgb: tuple[int, int, int]
     hair_rgb: tuple[int, int, int]
     skin_rgb: tuple[int, int, int]
+    gloves_rgb: tuple[int, int, int] | None = None
+    gloves_m: float = 0.0
 
 
 def skin_tone(rng: np.random.Generator) -> tuple[int, int, int]:
@@ -53,7 +55,8 @@ def skin_tone(rng: np.random.Generator) -> tuple[int, int, int]:
     return r, g, b
 
 
-def _cloth_rgb(rng: np.random.Generator) -> tuple[int, int, int]:
+def cloth_rgb(rng: np.random.Generator) -> tuple[int, int, int]:
+    """Any colour that cloth has, pale ones more often than bright ones."""
     value, saturation = rng.uniform(25, 235), rng.uniform(0, 0.8) ** 1.5
     tint = rng.uniform(0, 1, 3)
     tint /= tint.max()
@@ -80,9 +83,9 @@ def random_wardrobe(rng: np.random.Generator) -> Wardrobe:
         hair_length=float(rng.uniform(0.0, 1.0) ** 2),
         fold=float(rng.uniform(0.1, 0.6)),
         cap=bool(rng.uniform() < 0.12),
-        top_rgb=_cloth_rgb(rng),
-        trousers_rgb=_cloth_rgb(rng),
-        shoes_rgb=_cloth_rgb(rng),
+        top_rgb=cloth_rgb(rng),
+        trousers_rgb=cloth_rgb(rng),
+        shoes_rgb=cloth_rgb(rng),
         hair_rgb=tuple(int(v) for v in rng.uniform(0.3, 1.0) * np.array([150, 110, 75]) * rng.uniform(0.15, 1.0)),  # type: ignore[arg-type]
         skin_rgb=skin_tone(rng),
     )
@@ -149,7 +152,7 @@ def dress(body: Body, wear: Wardrobe, seed: int) -> Dressed:
     color[shirt & (points[:, 1] >= neck_y + 0.02)] = wear.skin_rgb
     cover *= 1.0 + wear.fold * _folds(points, rng)
     _hair(body, wear, points, cover, color)
-    _palms(body, wear, color)
+    _hands(body, wear, cover, color)
     out = body.vertices_m + (np.maximum(cover, 0.0)[:, None] * body.normals).astype(np.float32)
     return Dressed(out.astype(np.float32), color)
 
@@ -167,14 +170,17 @@ def _hair(body: Body, wear: Wardrobe, points: Floats, cover: Floats, color: Byte
     color[hair] = wear.top_rgb if wear.cap else wear.hair_rgb
 
 
-def _palms(body: Body, wear: Wardrobe, color: Bytes) -> None:
-    """Palms and the inside of the fingers: with little pigment, so much lighter and redder than dark skin elsewhere."""
+def _hands(body: Body, wear: Wardrobe, cover: Floats, color: Bytes) -> None:
+    """Gloves; or palms and the inside of the fingers: with little pigment, so lighter and redder than dark skin is."""
     skin = np.array(wear.skin_rgb, np.float64)
     share = 0.10 + 0.55 * float(np.clip(1.0 - skin.mean() / 195.0, 0.0, 1.0))
     palm_rgb = skin + share * (np.array([226.0, 172.0, 152.0]) - skin)
     for i, side in enumerate(SIDES):
         bones = [BONE[f"hand_{side}"], *(BONE[f"{finger}{k}_{side}"] for finger in FINGERS for k in (1, 2, 3))]
         mine = np.isin(body.vertex_bone, bones)
+        if wear.gloves_rgb is not None:
+            cover[mine], color[mine] = wear.gloves_m, wear.gloves_rgb
+            continue
         facing = body.normals[mine].astype(np.float64) @ body.rig.palm[i]
         blend = np.clip((facing - 0.1) / 0.5, 0.0, 1.0)[:, None]
         color[mine] = np.clip(skin + blend * (palm_rgb - skin), 0, 255).astype(np.uint8)

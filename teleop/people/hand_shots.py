@@ -16,7 +16,7 @@ from teleop.frames import Camera, DepthFrame, Intrinsics, kinect_v1, pixels
 from teleop.intent_types import SIDES, Side
 from teleop.joints import JOINT_INDEX
 from teleop.people.body import skin
-from teleop.people.clothes import dress, random_wardrobe, skin_tone
+from teleop.people.clothes import Wardrobe, cloth_rgb, dress, random_wardrobe, skin_tone
 from teleop.people.pose import Pose, pose_rig, yaw
 from teleop.people.rig import BONE, Floats, arms_in_trunk, joints_m
 from teleop.people.room import Room, random_room
@@ -28,6 +28,8 @@ from teleop.people.view import sensor_view, visible_joints
 
 WINDOW_M: Final = 0.56
 """Side of the window, at the hand."""
+BETWEEN: Final = (0.14, 0.86)
+"""Curl of hands that are neither open nor a fist."""
 _TRIES: Final = 4
 
 
@@ -37,7 +39,7 @@ class HandShot:
 
     curl: 0 flat open .. 1 fist. skin_rgb: the operator's skin as the light shows it, (3,). tone: mean of the unlit
     skin's R, G, B, 0..255. light: exposure, 1 normal. skin_wall: walls painted in skin colours. palm_cos: between the
-    palm's normal and the ray, 1 palm to the sensor, 0 edge-on, -1 back of the hand to the sensor.
+    palm's normal and the ray, 1 palm to the sensor, 0 edge-on, -1 back of the hand to the sensor. gloved: so it is.
     """
 
     frame: DepthFrame
@@ -49,6 +51,7 @@ class HandShot:
     light: float
     skin_wall: bool
     palm_cos: float
+    gloved: bool = False
 
 
 def skin_walls(room: Room, rng: np.random.Generator) -> Room:
@@ -63,8 +66,14 @@ def _set_curl(pose: Pose, curls: tuple[float, float]) -> Pose:
     return replace(pose, arms=(right, left))
 
 
-def _curl(rng: np.random.Generator) -> float:
-    return float(rng.uniform(0.0, 0.14) if rng.uniform() < 0.5 else rng.uniform(0.86, 1.0))
+def _curl(rng: np.random.Generator, own: np.random.Generator, between: float) -> float:
+    curl = rng.uniform(0.0, BETWEEN[0]) if rng.uniform() < 0.5 else rng.uniform(BETWEEN[1], 1.0)
+    return float(own.uniform(*BETWEEN) if own.uniform() < between else curl)
+
+
+def _gloved(wear: Wardrobe, rng: np.random.Generator) -> Wardrobe:
+    """The same clothes with gloves, from thin nitrile to padded leather."""
+    return replace(wear, gloves_rgb=cloth_rgb(rng), gloves_m=float(rng.uniform(0.0005, 0.004)))
 
 
 def window(camera: Camera, point_m: Floats) -> Camera | None:
@@ -87,22 +96,26 @@ def _palm_cos(figure: Figure, R: Floats, joints: Floats, i: int) -> float:
     return float(-normal @ hand / np.linalg.norm(hand))
 
 
-def hand_shots(seed: int, split: Split, whole: bool = False) -> Iterator[HandShot]:
+def hand_shots(
+    seed: int, split: Split, whole: bool = False, gloves: float = 0.0, between: float = 0.0
+) -> Iterator[HandShot]:
     """Both hands of one random person, those that are in the image and not hidden. Deterministic.
 
-    whole: give the whole image with each hand instead of a window of it, drawn once.
+    whole: give the whole image with each hand instead of a window of it, drawn once. gloves: chance that the person
+    wears some. between: chance that a hand is neither flat open nor a fist; all else of the person stays the same.
 
     Raises DataError when the MakeHuman files are missing.
     """
-    rng = np.random.default_rng([SEED[split], 13, seed])
+    rng, own = np.random.default_rng([SEED[split], 13, seed]), np.random.default_rng([SEED[split], 14, seed])
     z = float(rng.uniform(1.5, 3.6))
     x = float(rng.uniform(-1, 1)) * min(0.9, 0.33 * z)
     body = person(split, int(rng.integers(PEOPLE[split])))
     wear = random_wardrobe(rng)
     if rng.uniform() < 0.12:
         wear = replace(wear, top_rgb=skin_tone(rng))
-    worn = dress(body, wear, int(rng.integers(2**31)))
-    curls = (_curl(rng), _curl(rng))
+    gloved = bool(own.uniform() < gloves)
+    worn = dress(body, _gloved(wear, own) if gloved else wear, int(rng.integers(2**31)))
+    curls = (_curl(rng, own, between), _curl(rng, own, between))
     for _ in range(_TRIES):
         pose = _set_curl(sample_pose(rng, split), curls)
         posed = pose_rig(body.rig, pose)
@@ -137,4 +150,4 @@ def hand_shots(seed: int, split: Split, whole: bool = False) -> Iterator[HandSho
         if visible_joints(joints, shot.depth_m, shot.part, camera)[hand]:
             palm_cos = _palm_cos(figure, view.R, joints, i)
             tone = float(np.mean(wear.skin_rgb))
-            yield HandShot(frame, joints, side, curls[i], lit_rgb, tone, light.level, skin_wall, palm_cos)
+            yield HandShot(frame, joints, side, curls[i], lit_rgb, tone, light.level, skin_wall, palm_cos, gloved)

@@ -26,14 +26,16 @@ Progress = Callable[[str, float], None]
 NEAR_M, FAR_M = 1.4, 3.5
 JOINT_NOISE_M: Final = 0.020
 FIRST_SEED: Final = 100_000
+_OTHER: Final = {"right": "hand_left", "left": "hand_right"}
 RULES: Final = ("ours", "ours, depth alone", "source, ratio 0.33", "source, ratio 0.8")
 JOINTS: Final = ("true joints, 20 mm noise", "tracker's joints")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """One hand. truth: OPEN or FIST. answers: by (joints, rule). logit: ours, undecided ones included, None when
-    geometry forbids a reading; illegible: why. The rest describes the hand, see HandShot; z_m: its distance."""
+    """One hand. truth: OPEN or FIST, whichever is nearer. answers: by (joints, rule). logit: ours, undecided ones
+    included, None when geometry forbids a reading; illegible: why. The rest describes the hand, see HandShot; z_m: its
+    distance; apart_m: from the other hand."""
 
     truth: Hand
     answers: dict[tuple[str, str], Hand]
@@ -46,6 +48,8 @@ class Case:
     ray_cos: float
     skin_wall: bool
     before_body: bool
+    curl: float = 0.0
+    apart_m: float = 1.0
 
 
 def _answers(frame: DepthFrame, body: Skeleton | None, side: str, config: HandConfig) -> dict[str, Hand]:
@@ -84,15 +88,33 @@ def _case(shot: HandShot, noisy: Skeleton, tracked: Skeleton | None, config: Han
         ray_cos=float(abs(forearm @ hand) / (np.linalg.norm(forearm) * np.linalg.norm(hand))),
         skin_wall=shot.skin_wall,
         before_body=any(beside),
+        curl=shot.curl,
+        apart_m=float(np.linalg.norm(hand - shot.joints_m[JOINT_INDEX[_OTHER[shot.side]]])),
     )
 
 
-def rendered_cases(people: int, tracker: BodyTracker | None, config: HandConfig, progress: Progress) -> list[Case]:
-    """Hands of so many people of the test split, 1.4-3.5 m away, flat open or a fist, each frame by itself.
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What kind of hands to render: bare and flat open or a fist; gloved; neither open nor a fist."""
+
+    name: str
+    gloves: float = 0.0
+    between: float = 0.0
+
+
+BARE: Final = Kind("bare hands")
+GLOVED: Final = Kind("gloved hands", gloves=1.0)
+BETWEEN: Final = Kind("half-closed hands", between=1.0)
+
+
+def rendered_cases(
+    people: int, tracker: BodyTracker | None, config: HandConfig, progress: Progress, kind: Kind = BARE
+) -> list[Case]:
+    """Hands of so many people of the test split, 1.4-3.5 m away, each frame by itself.
 
     tracker: None leaves the tracker's joints out (they answer UNKNOWN).
     """
-    return list(_cases(people, tracker, config, progress))
+    return list(_cases(people, tracker, config, progress, kind))
 
 
 def single_frame_tracker_config() -> BodyConfig:
@@ -101,12 +123,14 @@ def single_frame_tracker_config() -> BodyConfig:
     return config.model_copy(update={"filter": config.filter.model_copy(update={"enabled": False})})
 
 
-def _cases(people: int, tracker: BodyTracker | None, config: HandConfig, progress: Progress) -> Iterator[Case]:
+def _cases(
+    people: int, tracker: BodyTracker | None, config: HandConfig, progress: Progress, kind: Kind
+) -> Iterator[Case]:
     for number in range(people):
         rng = np.random.default_rng([number, 5])
         tracked: Skeleton | None = None
         noisy: Skeleton | None = None
-        for shot in hand_shots(FIRST_SEED + number, "test", whole=True):
+        for shot in hand_shots(FIRST_SEED + number, "test", True, kind.gloves, kind.between):
             if not NEAR_M < shot.joints_m[JOINT_INDEX[f"hand_{shot.side}"], 2] < FAR_M:
                 continue
             if noisy is None:
@@ -114,4 +138,4 @@ def _cases(people: int, tracker: BodyTracker | None, config: HandConfig, progres
                 if tracker is not None:
                     tracked = tracker.step(shot.frame, tracker.initial_state())[0].skeleton
             yield _case(shot, noisy, tracked, config)
-        progress("rendered people", (number + 1) / people)
+        progress(f"rendered people, {kind.name}", (number + 1) / people)

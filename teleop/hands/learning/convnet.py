@@ -81,7 +81,7 @@ def gradients(net: Network, x: Array, target: Array, keep: Array) -> tuple[float
 def train(
     net: Network,
     x: npt.NDArray[np.float16],
-    is_open: Bools,
+    openness: Array,
     schedule: Schedule,
     rng: np.random.Generator,
     augment: Augment,
@@ -89,12 +89,12 @@ def train(
 ) -> Network:
     """Adam over patches x (N, draws, SIZE, SIZE, layers): each epoch takes one draw of every sample.
 
-    progress(epoch, mean loss) is called after each epoch. Both classes weigh the same.
+    openness: (N,) what is to be answered, 0..1. progress(epoch, mean loss) is called after each epoch.
     """
     params = [np.array(p) for p in (*net.weight, *net.bias)]
     m, v = [np.zeros_like(p) for p in params], [np.zeros_like(p) for p in params]
     steps, total = 0, max(1, schedule.epochs * (len(x) // schedule.batch))
-    target = np.where(is_open, 1.0 - schedule.smoothing, schedule.smoothing).astype(np.float32)
+    target = (schedule.smoothing + (1.0 - 2.0 * schedule.smoothing) * openness).astype(np.float32)
     for epoch in range(schedule.epochs):
         order, losses = rng.permutation(len(x)), []
         for start in range(0, len(x) - schedule.batch + 1, schedule.batch):

@@ -100,18 +100,18 @@ def _zoomed(photo: Photo, rng: np.random.Generator) -> ColorImage:
 def photo_samples(photos: Iterable[Photo], config: HandConfig, seed: int) -> Samples:
     """Patches of photographs, each cut ``DRAWS`` times."""
     rng = np.random.default_rng(seed)
-    patches, is_open = [], []
+    patches, answers = [], []
     for photo in photos:
         patches.append(np.stack([photo_patch(_zoomed(photo, rng), config) for _ in range(DRAWS)]).astype(np.float16))
-        is_open.append(photo.is_open)
-    return Samples(np.stack(patches), np.array(is_open))
+        answers.append(float(photo.is_open))
+    return Samples(np.stack(patches), np.array(answers, np.float32))
 
 
 def joined(*parts: tuple[Samples, int]) -> Samples:
     """Samples put together, each part repeated so many times."""
     return Samples(
         np.concatenate([s.patches for s, times in parts for _ in range(times)]),
-        np.concatenate([s.is_open for s, times in parts for _ in range(times)]),
+        np.concatenate([s.openness for s, times in parts for _ in range(times)]),
     )
 
 
@@ -135,14 +135,14 @@ def train_base(rendered: Samples, digits: Samples, seed: int, tell: Told) -> Net
     def progress(epoch: int, loss: float) -> None:
         tell(f"colour network, epoch {epoch}: loss {loss:.3f}")
 
-    return train(net, both.patches, both.is_open, BASE, rng, augmenter("base"), progress)
+    return train(net, both.patches, both.openness, BASE, rng, augmenter("base"), progress)
 
 
 def tuned(base: Network, webcam: Samples, digits: Samples, seed: int) -> Network:
     """The colour network after some epochs on webcam photographs, beside the digits so that it forgets nothing."""
     rng = np.random.default_rng(seed)
     both = joined((webcam, WEBCAM_TIMES), (digits, 1))
-    return train(base, both.patches, both.is_open, TUNE, rng, augmenter("color"), lambda _epoch, _loss: None)
+    return train(base, both.patches, both.openness, TUNE, rng, augmenter("color"), lambda _epoch, _loss: None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,10 +29,20 @@ _FACE_LIGHT: Final = 0.8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """patches: (N, draws, SIZE, SIZE, layers) float16. is_open: (N,)."""
+    """patches: (N, draws, SIZE, SIZE, layers) float16. openness: (N,), 1 for an open hand, 0 for a fist."""
 
     patches: npt.NDArray[np.float16]
-    is_open: npt.NDArray[np.bool_]
+    openness: npt.NDArray[np.float32]
+
+
+HALF_OPEN: Final = (0.25, 0.75)
+"""Up to this curl a hand is as good as open, from that on as good as a fist; between them neither answer is right."""
+
+
+def openness(curl: float) -> float:
+    """What the network is to answer: 1 open .. 0 fist; a hand half closed is half open, so it is left undecided."""
+    low, high = HALF_OPEN
+    return min(1.0, max(0.0, (high - curl) / (high - low)))
 
 
 def skin_of(shot: HandShot, rng: np.random.Generator, config: HandConfig) -> SkinModel:
@@ -59,13 +69,13 @@ def drawn(shot: HandShot, rng: np.random.Generator, config: HandConfig) -> Patch
 def collect(shots: Iterable[HandShot], config: HandConfig, seed: int, draws: int = DRAWS) -> Samples:
     """Patches of all shots that can be read; every hand gives ``draws`` of them."""
     rng = np.random.default_rng(seed)
-    patches, is_open = [], []
+    patches, answers = [], []
     for shot in shots:
         own = [p for p in (drawn(shot, rng, config) for _ in range(3 * draws)) if p is not None][:draws]
         if len(own) == draws:
             patches.append(np.stack(own).astype(np.float16))
-            is_open.append(shot.curl < 0.5)
-    return Samples(np.stack(patches), np.array(is_open))
+            answers.append(openness(shot.curl))
+    return Samples(np.stack(patches), np.array(answers, np.float32))
 
 
 def augmenter(sight: Sight) -> Augment:

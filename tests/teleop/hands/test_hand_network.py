@@ -7,13 +7,13 @@ import pytest
 
 from teleop.errors import DataError
 from teleop.hands.learning.convnet import Schedule, calibrated, gradients, initial, train
+from teleop.hands.learning.samples import openness
 from teleop.hands.network import (
     HIDDEN,
     KERNELS,
     LAYERS_OF,
     STRIDE,
     Network,
-    Sight,
     columns,
     load_networks,
     save_networks,
@@ -61,7 +61,7 @@ def test_it_learns_and_its_probabilities_are_honest() -> None:
     net = train(
         initial(2, rng),
         x,
-        is_open,
+        is_open.astype(np.float32),
         Schedule(epochs=8, batch=32),
         rng,
         lambda b, _: b,
@@ -76,20 +76,26 @@ def test_it_learns_and_its_probabilities_are_honest() -> None:
     assert told.mean() == pytest.approx(((logit > 0) == flipped).mean(), abs=0.06)
 
 
+def test_a_half_closed_hand_is_half_an_answer() -> None:
+    assert [openness(curl) for curl in (0.0, 0.25, 0.5, 0.75, 1.0)] == [1.0, 1.0, 0.5, 0.0, 0.0]
+
+
 def test_the_file_keeps_the_networks(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
-    nets: dict[Sight, Network] = {s: initial(len(layers), rng) for s, layers in LAYERS_OF.items()}
+    nets: dict[str, Network] = {s: initial(len(layers), rng) for s, layers in LAYERS_OF.items()}
     save_networks(tmp_path / "hands.npz", nets)
     stored = load_networks(tmp_path / "hands.npz")
     x = rng.standard_normal((4, SIZE, SIZE, 4)).astype(np.float32)
     assert stored["both"].logit(x) == pytest.approx(nets["both"].logit(x), rel=0.02, abs=0.02)
     (tmp_path / "broken.npz").write_bytes(b"PK")
-    for name in ("broken.npz", "missing.npz"):
+    save_networks(tmp_path / "other.npz", nets | {"depth": initial(3, rng)})
+    for name in ("broken.npz", "missing.npz", "other.npz"):
         with pytest.raises(DataError, match="train-hands"):
             load_networks(tmp_path / name)
 
 
 def test_the_shipped_model_fits_this_version() -> None:
     for sight, net in load_networks().items():
-        assert [w.shape for w in net.weight] == shapes(len(LAYERS_OF[sight]))
+        widths = tuple(w.shape[1] for w in net.weight[: len(KERNELS)])
+        assert [w.shape for w in net.weight] == shapes(len(LAYERS_OF[sight]), widths, net.weight[-2].shape[1])
         assert all(np.isfinite(w).all() for w in net.weight) and net.scale > 0

@@ -1,5 +1,6 @@
 """The hand study: its counts and tables, the rendered hands behind it, photographs cut by a box."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from teleop.errors import DataError
 from teleop.hands.learning.cases import JOINTS, RULES, Case
 from teleop.hands.learning.photos import rendered_photo, webcam_photos
 from teleop.hands.learning.sessions import SessionFigures
-from teleop.hands.learning.study import HandStudy, confusion_table, draw, groups_table, report, share, write_csv
+from teleop.hands.learning.study import HandStudy, draw, report, write_csv
+from teleop.hands.learning.tables import between_table, confusion_table, groups_table, share
 from teleop.hands.learning.tally import Share
 from teleop.hands.photo import photo_patch, read_photo
 from teleop.hands.reader import read_hands
@@ -48,11 +50,15 @@ def test_tables_name_what_was_counted() -> None:
     table = groups_table(CASES, JOINTS[0])
     assert "| skin: light | 6 | 100.0 % of 100.0 %" in table
     assert "skin: dark" not in table, "nobody was"
+    half = [replace(CASES[0], curl=0.2), replace(CASES[-1], curl=0.4)]
+    assert "| 14-30 % | 1 | 100.0 % | 0.0 % | 0.0 % |" in between_table(half, JOINTS[0])
+    assert "| 30-50 % | 1 | 0.0 % | 0.0 % | 100.0 % |" in between_table(half, JOINTS[0])
 
 
 def test_the_report_and_its_files(tmp_path: Path) -> None:
     session = SessionFigures(100, 80, (90, 88), (80, 80), (0.1, 0.2), 2, 0)
-    text = report(HandStudy(CASES, Share(119, 119, 115), session), CONFIG)
+    text = report(HandStudy(CASES, Share(119, 119, 115), session, gloved=CASES[:6], between=CASES), CONFIG)
+    assert "6 hands: 100.0 % right of the 100.0 % decided" in text
     assert "11.0" not in text.split("\n")[2] and "**91.7 % right of the 92.3 % decided**" in text
     assert "96.6 % right of all 119" in text and "after the debounce | 100.0 % | 100.0 %" in text
     write_csv(tmp_path / "hands.csv", CASES)
@@ -72,6 +78,8 @@ def test_rendered_hands_show_what_they_say() -> None:
                 if small is None:
                     continue
                 assert small.curl == shot.curl and np.array_equal(small.joints_m, shot.joints_m)
+                gloved = [g for g in hand_shots(seed, "test", gloves=1.0, between=1.0) if g.side == shot.side]
+                assert all(g.gloved and 0.14 <= g.curl <= 0.86 for g in gloved) and not shot.gloved
                 assert -1.0 <= shot.palm_cos <= 1.0 and 0.55 <= shot.light <= 1.15
                 body = Skeleton(0, small.joints_m, np.ones(20))
                 answer = getattr(read_hands(small.frame, body, CONFIG), shot.side)
