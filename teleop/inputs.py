@@ -65,7 +65,8 @@ class Inputs:
     engage, disengage, estop, estop_reset: requests of the console or the API; an e-stop wins over all.
     request: direct control. picks: asked of the assisted pick, in order. receive_t_ns: when the frame was received
     (monotonic ns), for live sources only; a replayed frame has none, because its clock may be paused or run fast.
-    source_failed: the source says so itself.
+    source_failed: the source says so itself. interrupted: the watchdog stopped the robot since the last frame; it
+    follows from the rest and is not recorded.
     """
 
     engage: bool = False
@@ -76,3 +77,4 @@ class Inputs:
     picks: tuple[PickAsk, ...] = ()
     receive_t_ns: int | None = None
     source_failed: bool = False
+    interrupted: bool = False

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from robot_sim.commands import RobotCommand
+from robot_sim.posture import Posture
 from teleop.angles import arm_angles
 from teleop.assist.overlay import arms_as_they_are, laid_over, ran, tools_as_they_are
 from teleop.assist.step import Assisted, Situation, step_assist
@@ -15,10 +16,10 @@ from teleop.config.intent import DriveConfig, IntentConfig
 from teleop.engage import hand_beside_head
 from teleop.inputs import PickAsk, RobotRequest
 from teleop.intent_types import Event, Intent, Mode, Zone
-from teleop.kernel_state import KernelState, Moment, ease_anew, turn_disc
+from teleop.kernel_state import KernelState, Moment, ease_anew, posture_of, turn_disc
 from teleop.modes import ACTING, IN_CONTROL, WORKING
 from teleop.reasons import Reason
-from teleop.requests import apply_request
+from teleop.requests import Asked, apply_request
 from teleop.tools import rest, tool_events
 from teleop.work import operator_side, step_work, swapped
 
@@ -36,9 +37,9 @@ def step_kernel(
 ) -> tuple[RobotCommand, KernelState]:
     """One frame: the command with the reasons for everything that does not move, and the next state."""
     before = state
-    state = _enter(
-        replace(state, events=(), disc_wait_s=max(0.0, state.disc_wait_s - moment.dt_s)), intent.mode, config
-    )
+    stands = moment.posture
+    state = replace(state, events=(), disc_wait_s=max(0.0, state.disc_wait_s - moment.dt_s))
+    state = _enter(state, intent.mode, stands, config)
     acting = intent.mode in ACTING
     # goals already sent are dropped at the end of motion, and for as long as the robot is stopped
     stand_still = intent.mode is Mode.STOPPED or (before.acting and not acting)
@@ -58,12 +59,14 @@ def step_kernel(
         state.assist, _situation(intent, moment, state, request, still, config), picks, moment.robot, config.assist
     )
     why: tuple[Reason, ...] = ()
+    if still is Reason.GESTURE or moment.interrupted:
+        state = ease_anew(state, stands)
+    if still is not None or moment.interrupted:
+        state = replace(state, tools=replace(state.tools, spray_on=False))
     if still is not None:
         why = (still,)
-        state = ease_anew(state) if still is Reason.GESTURE else state
-        state = replace(state, tools=replace(state.tools, spray_on=False))
     elif assisted.holds:
-        state = ease_anew(replace(state, tools=rest(state.tools)))
+        state = ease_anew(replace(state, tools=rest(state.tools)), stands)
     elif state.task is not None:
         state, command, why = step_work(state.task, intent.hands, moment, state, command, config)
     else:
@@ -71,7 +74,8 @@ def step_kernel(
     state = replace(state, events=tool_events(intent.t_ns, before.tools, state.tools))
     command, state = _assist(command, state, assisted, moment.robot)
     if request is not None:
-        command, state, refused = apply_request(command, request, state, intent.mode, moment.estop, config)
+        asked = Asked(request, intent.mode, moment.estop, stands)
+        command, state, refused = apply_request(command, asked, state, config)
         if refused is not None:
             why = (*why, refused)
             state = replace(state, events=(Event(intent.t_ns, "refused", refused), *state.events))
@@ -96,8 +100,8 @@ def step_between(
     command, state = _assist(command, replace(state, events=()), assisted, robot)
     refused: Reason | None = None
     if request is not None:
-        estop = now.stopped is Reason.ESTOP
-        command, state, refused = apply_request(command, request, state, now.mode, estop, config)
+        asked = Asked(request, now.mode, now.stopped is Reason.ESTOP, posture_of(robot))
+        command, state, refused = apply_request(command, asked, state, config)
     if refused is not None:
         state = replace(state, events=(Event(now.t_ns, "refused", refused), *state.events))
     reasons = (*command.reasons, *assisted.reasons, *((refused,) if refused else ()))
@@ -144,13 +148,13 @@ def _assist(
     return laid_over(command, assisted), state
 
 
-def _enter(state: KernelState, mode: Mode, config: IntentConfig) -> KernelState:
+def _enter(state: KernelState, mode: Mode, stands: Posture | None, config: IntentConfig) -> KernelState:
     """Begin or end a task: tools rest until their hand changes, arms ease in, the disc turns to its side."""
     task = mode if mode in WORKING else None
     if task is state.task:
         return state
     state = replace(state, task=task, tools=rest(state.tools))
-    return state if task is None else ease_anew(turn_disc(state, DISC_RAD[task], config))
+    return state if task is None else ease_anew(turn_disc(state, DISC_RAD[task], stands, config), stands)
 
 
 def _why_still(intent: Intent, moment: Moment, config: IntentConfig) -> Reason | None:
@@ -165,6 +169,8 @@ def _why_still(intent: Intent, moment: Moment, config: IntentConfig) -> Reason |
         }[intent.mode]
     if intent.engage_progress > config.engage.hold_progress:
         return Reason.GESTURE
+    if moment.crossing:
+        return Reason.CROSSING
     return None if moment.zone_settled else Reason.ZONE_UNSETTLED
 
 

@@ -111,10 +111,16 @@ def nearest_step(angle_deg: float, config: MappingConfig) -> float:
 def step_axis(
     axis: Axis, angle_deg: float | None, weight: float, dt_s: float, easing: bool, config: MappingConfig
 ) -> Axis:
-    """One frame of a stepped axis: the set-point leaves its bin only on evidence, in easing one step at a time."""
+    """One frame of a stepped axis: the set-point leaves its bin only on evidence, in easing one step at a time.
+
+    An arm that stood between two steps first goes to the nearer one.
+    """
     since = axis.since_step_s + dt_s
     if angle_deg is None:
         return Axis(axis.sent_deg, 0.0, 0.0, since)
+    step_deg = nearest_step(axis.sent_deg, config)
+    if easing and axis.sent_deg != step_deg:
+        return Axis(_towards(axis.sent_deg, step_deg, _ease_deg(dt_s, config)), 0.0, 0.0, since)
     angle = min(config.shoulder_max_deg, max(0.0, angle_deg))
     half = config.step_deg / 2
     border = Border(config.margin_deg, config.evidence_deg_s, config.clip_deg)
@@ -125,7 +131,7 @@ def step_axis(
     sign = 1.0 if up > border.evidence else -1.0
     if easing and since < config.ease_step_s:
         return Axis(axis.sent_deg, up, down, since)
-    neighbour = nearest_step(axis.sent_deg, config) + sign * config.step_deg
+    neighbour = step_deg + sign * config.step_deg
     target = (
         neighbour if easing else sign * max(sign * neighbour, sign * nearest_step(angle - sign * border.margin, config))
     )
@@ -140,10 +146,16 @@ def glide_axis(axis: Axis, angle_deg: float | None, dt_s: float, easing: bool, c
     change = angle - axis.sent_deg
     if abs(change) <= config.direction_deadband_deg:
         return axis
-    if easing and config.ease_step_s > 0:
-        limit = config.step_deg / config.ease_step_s * dt_s
-        change = min(limit, max(-limit, change))
-    return Axis(axis.sent_deg + change)
+    return Axis(_towards(axis.sent_deg, angle, _ease_deg(dt_s, config)) if easing else angle)
+
+
+def _ease_deg(dt_s: float, config: MappingConfig) -> float:
+    """How far a shoulder may go in one frame of easing in."""
+    return config.step_deg / config.ease_step_s * dt_s if config.ease_step_s > 0 else math.inf
+
+
+def _towards(now: float, goal: float, most: float) -> float:
+    return goal if abs(goal - now) <= most else now + math.copysign(most, goal - now)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,12 +175,19 @@ class ArmMemory:
 
 def eased_from(target: ArmTarget) -> ArmMemory:
     """Memory of an arm that stands somewhere and starts to ease in from there."""
-    return ArmMemory(Axis(target.c1_deg), Axis(target.c2_deg), target.elbow_deg)
+    return ArmMemory(Axis(_whole(target.c1_deg)), Axis(_whole(target.c2_deg)), target.elbow_deg)
+
+
+def _whole(angle_deg: float) -> float:
+    """The angle without what rounding to radians and back did to it."""
+    return float(round(angle_deg)) if abs(angle_deg - round(angle_deg)) < 1e-6 else angle_deg
 
 
 def _arrived(memory: ArmMemory, wanted: Measured, elbow_deg: float, config: MappingConfig) -> bool:
     near = config.step_deg / 2 + config.margin_deg
     for axis, angle in ((memory.c1, wanted.c1_deg), (memory.c2, wanted.c2_deg)):
+        if config.mapping == "paper" and axis.sent_deg != nearest_step(axis.sent_deg, config):
+            return False
         if angle is not None and abs(min(config.shoulder_max_deg, max(0.0, angle)) - axis.sent_deg) > near:
             return False
     return abs(memory.elbow_deg - elbow_deg) < 1.0

@@ -22,7 +22,7 @@ from teleop.intent_types import Event, Intent, Mode
 from teleop.kernel import step_between, step_kernel
 from teleop.kernel_state import KernelState, Moment
 from teleop.reasons import Reason
-from teleop.safety import StreamState, no_picture, step_stream
+from teleop.safety import PictureState, StreamState, step_picture, step_stream
 from teleop.skeleton import Track
 from teleop.work import swapped
 
@@ -37,12 +37,12 @@ class PipelineState:
     stream: StreamState = field(default_factory=StreamState)
     intent: IntentState = field(default_factory=IntentState)
     kernel: KernelState = field(default_factory=KernelState)
-    picture: Reason | None = None
+    picture: PictureState = field(default_factory=PictureState)
 
     @property
     def accepted(self) -> bool:
         """Whether the last frame brought something new; only such a frame feeds the watchdog."""
-        return self.stream.refused is None and self.picture is None
+        return self.stream.refused is None and self.picture.refused is None
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -90,9 +90,11 @@ class Pipeline:
     ) -> tuple[Track, PipelineState]:
         """Judge the frame's stamp and picture, then track. A frame that is not used gives an empty track."""
         stream = step_stream(state.stream, frame.t_ns, inputs.receive_t_ns, self.intent.safety)
-        picture = no_picture(frame) if stream.refused is None else None
+        picture = state.picture
+        if stream.refused is None:
+            picture = step_picture(picture, frame, stream.dt_s, self.intent.safety)
         tracker = self.tracker.initial_state() if stream.restarted else state.tracker
-        if stream.refused is not None or picture is not None:
+        if stream.refused is not None or picture.refused is not None:
             track = Track(frame.t_ns, None, None, None, None, None)
         else:
             track, tracker = self.tracker.step(frame, tracker)
@@ -103,7 +105,8 @@ class Pipeline:
     ) -> tuple[Intent, PipelineState]:
         """What the operator wants: zone, mode, angles, hands."""
         stream = state.stream
-        reasons = tuple(r for r in (stream.refused, state.picture) if r is not None)
+        refused = stream.refused or state.picture.refused
+        reasons = () if refused is None else (refused,)
         if inputs.source_failed:
             reasons = (*reasons, Reason.SOURCE_FAILED)
         now = Circumstances(
@@ -163,6 +166,8 @@ class Pipeline:
             estop=state.intent.control.estop,
             head_camera_sweep=state.intent.task.head_camera_sweep,
             robot=robot,
+            interrupted=inputs.interrupted,
+            crossing=state.intent.gestures.crossed_s > 0.0,
         )
         command, kernel = step_kernel(intent, moment, state.kernel, inputs.request, self.intent, inputs.picks)
         return command, replace(state, kernel=kernel)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from robot_sim.commands import ArmName, ArmTarget, RobotCommand
+from robot_sim.posture import Posture
 from teleop.config.intent import IntentConfig
 from teleop.inputs import RobotRequest
 from teleop.intent_types import Mode
@@ -14,31 +15,37 @@ from teleop.modes import IN_CONTROL
 from teleop.reasons import Reason
 
 
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A request, and what decides about it: the mode, the latch, and where the robot stands (None: as it was sent)."""
+
+    request: RobotRequest
+    mode: Mode
+    estop: bool
+    stands: Posture | None
+
+
 def apply_request(
-    command: RobotCommand,
-    request: RobotRequest,
-    state: KernelState,
-    mode: Mode,
-    estop: bool,
-    config: IntentConfig,
+    command: RobotCommand, asked: Asked, state: KernelState, config: IntentConfig
 ) -> tuple[RobotCommand, KernelState, Reason | None]:
     """Console and API: lift and disc at any time but under e-stop, the rest only while no operator is in control.
 
     Returns the command, the state, and why a part of the request was refused.
     """
-    if estop:
+    request = asked.request
+    if asked.estop:
         return command, state, Reason.REQUEST_ESTOP
     if not request.finite:
         return command, state, Reason.REQUEST_NOT_FINITE
     command = command if request.lift_m is None else replace(command, lift_m=request.lift_m)
     if request.disc_rad is not None:
-        state = turn_disc(state, request.disc_rad, config)
+        state = turn_disc(state, request.disc_rad, asked.stands, config)
         command = replace(command, disc_rad=request.disc_rad)
     if request == RobotRequest(lift_m=request.lift_m, disc_rad=request.disc_rad):
         return command, state, None
-    if mode in IN_CONTROL:
+    if asked.mode in IN_CONTROL:
         return command, state, Reason.REQUEST_ENGAGED
-    if mode is Mode.STOPPED:
+    if asked.mode is Mode.STOPPED:
         return command, state, Reason.BODY_STOP
     arms = dict(state.arms)
     asked: tuple[tuple[ArmName, ArmTarget | None], ...] = (

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass, replace
+from typing import Final
 
 from robot_sim.commands import RobotCommand, stop_command
 from teleop.config.intent import SafetyConfig
@@ -69,12 +71,30 @@ def step_stream(stream: StreamState, t_ns: int, receive_t_ns: int | None, config
     return StreamState(t_ns, dt_s, lag_ns)
 
 
-def no_picture(frame: DepthFrame) -> Reason | None:
-    """Why a frame shows nothing: no reading at all, or the same reading everywhere."""
+@dataclass(frozen=True, slots=True)
+class PictureState:
+    """What is known of the pictures. refused: why the last one shows nothing. digest: of its depth. same_s: for how
+    long it has not changed by a single reading."""
+
+    refused: Reason | None = None
+    digest: int | None = None
+    same_s: float = 0.0
+
+
+_EVERY: Final = 4
+"""Rows and columns whose readings are compared; noise changes some of them in every picture."""
+
+
+def step_picture(state: PictureState, frame: DepthFrame, dt_s: float, config: SafetyConfig) -> PictureState:
+    """Judge one picture: no reading at all, the same reading everywhere, or the very picture of the frames before."""
     low, high = int(frame.depth_mm.min()), int(frame.depth_mm.max())
-    if high == 0:
-        return Reason.FRAME_BLANK
-    return Reason.FRAME_SATURATED if low == high else None
+    if low == high:
+        return PictureState(Reason.FRAME_BLANK if high == 0 else Reason.FRAME_SATURATED)
+    digest = zlib.crc32(frame.depth_mm[::_EVERY, ::_EVERY].tobytes())
+    if digest != state.digest:
+        return PictureState(None, digest)
+    same_s = state.same_s + dt_s
+    return PictureState(Reason.FRAME_FROZEN if same_s >= config.frozen_s else None, digest, same_s)
 
 
 def watchdog(last_receive_ns: int | None, now_ns: int, config: SafetyConfig) -> RobotCommand | None:

@@ -148,7 +148,10 @@ class Core:
         mode = self._last.output.intent.mode if self._last and self._last.output else Mode.NO_PERSON
         if arrived.in_control and mode is Mode.SEEN:
             self.pending.engage = True  # so the robot eases to the operator of a session entered in its middle
-        inputs = self.pending.take(now_s, round(arrived.received_s * 1e9) if live else None)
+        inputs = replace(
+            self.pending.take(now_s, round(arrived.received_s * 1e9) if live else None),
+            interrupted=bool(self._silence),
+        )
         output = self._run(arrived.frame, inputs)
         command = output.command
         if output.accepted:
@@ -188,7 +191,7 @@ class Core:
             command = last.command
         if command is None or source_failed:
             reason = Reason.SOURCE_FAILED if source_failed else Reason.NO_FRAME_STOP
-            command = RobotCommand(t_ns=self._t_ns, reasons=(reason,))
+            command = stop_command(self._t_ns, reason)
         events = self._silence_events(command)
         request, picks = None, tuple[PickAsk, ...]()
         if not events:

@@ -29,6 +29,9 @@ class TeleopConfig(Section):
             patch.setdefault("mapping", {})["handedness"] = own.handedness
         if own.skin is not None:
             patch.setdefault("hands", {})["skin"] = own.skin
+        if own.bones_m:
+            patch["bones"] = {f"{bone}_m": length_m for bone, length_m in own.bones_m.items()}
+            patch["bones"]["tolerance"] = min(self.intent.bones.tolerance, own.bone_tolerance)
         for path, value in own.thresholds.items():
             section, name = path.split(".")
             patch.setdefault(section, {})[name] = value

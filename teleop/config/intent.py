@@ -26,6 +26,15 @@ class LevelConfig(Section):
         le=45.0,
         description="sensor tilt, up positive, used when no floor is seen [deg]; calibration",
     )
+    jump_deg: float = Field(
+        default=2.0,
+        ge=0.2,
+        le=45.0,
+        description="a floor that tilts by more in a frame is doubted [deg]; ours",
+    )
+    settle_s: float = Field(
+        default=0.5, ge=0.0, le=10.0, description="another floor must stay this long to be believed [s]; ours"
+    )
 
 
 class ZoneConfig(Section):
@@ -110,6 +119,25 @@ class AngleConfig(Section):
         description="shortest usable projection, as a part of the bone's length [1]; ours",
     )
     min_bone_m: float = Field(default=0.05, ge=0.0, le=0.5, description="shortest bone that has a direction [m]; ours")
+
+
+class BoneConfig(Section):
+    """Expected lengths of bones: of the operator where a profile tells, else of a person of 1.75 m."""
+
+    upper_arm_m: float = Field(
+        default=0.325, ge=0.1, le=1.2, description="shoulder to elbow [m]; 0.186 of the height, Winter 1990"
+    )
+    forearm_m: float = Field(
+        default=0.255, ge=0.1, le=1.2, description="elbow to wrist [m]; 0.146 of the height, Winter 1990"
+    )
+    trunk_m: float = Field(
+        default=0.53, ge=0.1, le=1.2, description="hip centre to shoulder centre [m]; 0.30 of the height, Winter 1990"
+    )
+    thigh_m: float = Field(default=0.43, ge=0.1, le=1.2, description="hip to knee [m]; 0.245 of height, Winter 1990")
+    shin_m: float = Field(default=0.43, ge=0.1, le=1.2, description="knee to ankle [m]; 0.246 of height, Winter 1990")
+    tolerance: float = Field(
+        default=0.5, ge=0.1, le=2.0, description="a bone further off is refused, as a part of its length [1]; ours"
+    )
 
 
 class MappingConfig(Section):
@@ -304,6 +332,12 @@ class SafetyConfig(Section):
     future_s: float = Field(
         default=0.5, ge=0.05, le=10.0, description="frames stamped ahead by this are refused [s]; ours"
     )
+    frozen_s: float = Field(
+        default=0.2,
+        ge=0.02,
+        le=10.0,
+        description="the very same picture for this long is no picture [s]; ours: a sensor's noise never repeats",
+    )
     joint_speed_m_s: float = Field(
         default=8.0, ge=1.0, le=50.0, description="no joint moves faster [m/s]; a thrown punch is 8"
     )
@@ -333,6 +367,7 @@ class IntentConfig(Section):
     zones: ZoneConfig = Field(default_factory=ZoneConfig)
     task: TaskConfig = Field(default_factory=TaskConfig)
     angles: AngleConfig = Field(default_factory=AngleConfig)
+    bones: BoneConfig = Field(default_factory=BoneConfig)
     hands: HandConfig = Field(default_factory=HandConfig)
     engage: EngageConfig = Field(default_factory=EngageConfig)
     mapping: MappingConfig = Field(default_factory=MappingConfig)

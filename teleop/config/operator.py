@@ -25,6 +25,9 @@ class OperatorConfig(Section):
     bones_m: dict[str, float] = Field(
         default_factory=dict, description="bone lengths [m]: upper_arm, forearm, trunk, thigh, shin; measured"
     )
+    bone_tolerance: float = Field(
+        default=0.35, ge=0.1, le=2.0, description="as intent.bones.tolerance, for bones that were measured [1]; ours"
+    )
     skin: Annotated[tuple[float, ...], Len(5, 5)] | None = Field(
         default=None, description="mean Cb, mean Cr, variance of Cb, covariance, variance of Cr; learned from the face"
     )

@@ -333,7 +333,7 @@ def check(r: Rig, command: RobotCommand, mode: Mode) -> None:
 
 
 @given(st.lists(STEP, max_size=25))
-@settings(max_examples=SEQUENCES, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=SEQUENCES, suppress_health_check=[HealthCheck.too_slow])
 def test_no_sequence_of_frames_and_buttons_moves_the_robot_wrongly(steps: list[tuple]) -> None:
     r = rig()
     estop, most_s = False, r.pipeline.config.intent.safety.max_dt_s

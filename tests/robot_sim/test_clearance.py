@@ -100,7 +100,7 @@ MOVES = st.tuples(
 
 
 @given(st.lists(MOVES, min_size=1, max_size=4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_no_sequence_of_targets_brings_arms_too_near(moves: list[tuple]) -> None:
     setpoints, dt_s = home_setpoints(CONFIG), 1 / 120
     arms = [JOINT_INDEX[f"{arm}_{axis}"] for arm in ARM_NAMES for axis in ("c1", "c2", "elbow")]

@@ -53,7 +53,7 @@ def joint(setpoints: Setpoints, name: str) -> float:
     return setpoints.position[JOINT_INDEX[name]]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.tuples(commands, st.integers(1, 40), st.booleans()), min_size=1, max_size=6))
 def test_every_tick_stays_inside_range_speed_and_acceleration(script: list[tuple[RobotCommand, int, bool]]) -> None:
     now = home_setpoints(CONFIG)
@@ -77,7 +77,7 @@ def test_every_tick_stays_inside_range_speed_and_acceleration(script: list[tuple
             assert not (now.spray_on and estop)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.floats(-15.0, 115.0), st.floats(-8.0, 98.0), st.floats(90.0, 180.0))
 def test_a_target_in_range_is_reached_exactly_or_held_before_the_trunk_and_kept(
     c1: float, c2: float, elbow: float

@@ -41,7 +41,7 @@ def attack(operation: schemathesis.schemas.APIOperation, who: str) -> None:
     # 503 is how a load balancer learns that the server is not ready
     checks = [check for check in CHECKS if check is not not_a_server_error or not operation.path.endswith("/ready")]
 
-    @settings(max_examples=count, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=count, derandomize=True, suppress_health_check=list(HealthCheck))
     @given(case=operation.as_strategy())
     def check(case: schemathesis.Case) -> None:
         answer = case.call_and_validate(checks=checks, headers=headers)

@@ -106,9 +106,10 @@ CAMERA = Camera(depth=kinect_v1(160, 120))
 
 
 def frame(t_ns: int, seq: int = 0) -> DepthFrame:
-    """A depth frame whose picture does not matter: a slope without a person."""
-    row = np.linspace(3000, 4000, 160).astype(np.uint16)
-    return DepthFrame(t_ns, np.tile(row, (120, 1)), CAMERA, None, seq)
+    """A depth frame whose picture does not matter: a slope without a person, one reading of noise by its number."""
+    depth = np.tile(np.linspace(3000, 4000, 160).astype(np.uint16), (120, 1))
+    depth[0, 0] += seq % 7
+    return DepthFrame(t_ns, depth, CAMERA, None, seq)
 
 
 def without(body: Skeleton, *names: str) -> Skeleton:

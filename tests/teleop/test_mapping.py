@@ -1,5 +1,7 @@
 """Servo set-points: the 15-degree steps, their edges, easing in, and the two mappings."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -143,7 +145,7 @@ def test_easing_in_steps_slowly_from_where_the_robot_is() -> None:
 
 
 @given(st.floats(0, 90), st.floats(0, 74))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_direction_mapping_points_the_robot_arm_as_the_operators(c1: float, c2: float) -> None:
     config = MappingConfig(mapping="direction")
     d = upper_arm_direction(c1, c2)
@@ -162,7 +164,6 @@ ANY_ANGLE = st.one_of(st.none(), st.floats(-180, 270))
     st.lists(st.tuples(ANY_ANGLE, ANY_ANGLE, ANY_ANGLE, st.floats(0, 1)), max_size=60),
     st.sampled_from(["paper", "direction"]),
 )
-@settings(deadline=None)
 def test_set_points_never_leave_their_range(wishes: list[tuple], mapping: str) -> None:
     config, memory = MappingConfig(mapping=mapping), ArmMemory()
     for c1, c2, elbow, dt_s in wishes:
@@ -172,3 +173,17 @@ def test_set_points_never_leave_their_range(wishes: list[tuple], mapping: str) -
         assert target.elbow_deg == round(target.elbow_deg)
         if mapping == "paper":
             assert target.c1_deg % 15 == 0 and target.c2_deg % 15 == 0
+
+
+def test_easing_in_begins_where_the_arm_stands_and_goes_to_a_step_first() -> None:
+    config = MappingConfig()
+    memory, sent = eased_from(ArmTarget(37.0, 110.0, 100.0)), [ArmTarget(37.0, 110.0, 100.0)]
+    for _ in range(120):
+        memory, _ = step_arm(memory, Measured(0.0, 30.0, 180.0), 1 / 30, config)
+        sent.append(memory.target)
+    speed = config.step_deg / config.ease_step_s / 30
+    assert sent[0] == ArmTarget(37.0, 110.0, 100.0) and sent[-1] == ArmTarget(0.0, 30.0, 180.0)
+    assert abs(sent[1].c1_deg - 37.0) <= speed + 1 and abs(sent[1].c2_deg - 110.0) <= speed + 1
+    assert {30.0, 15.0} <= {target.c1_deg for target in sent}
+    assert max(abs(a.elbow_deg - b.elbow_deg) for a, b in pairwise(sent)) <= config.ease_elbow_deg_s / 30 + 1
+    assert not memory.easing

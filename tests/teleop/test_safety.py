@@ -10,7 +10,7 @@ from stick_figure import CAMERA
 from teleop.config.intent import SafetyConfig
 from teleop.frames import DepthFrame
 from teleop.reasons import Reason
-from teleop.safety import StreamState, no_picture, step_stream, watchdog
+from teleop.safety import PictureState, StreamState, step_picture, step_stream, watchdog
 
 CONFIG = SafetyConfig()
 MS = 1_000_000
@@ -88,12 +88,28 @@ def frame(depth: np.ndarray) -> DepthFrame:
     return DepthFrame(0, depth.astype(np.uint16), CAMERA)
 
 
+def judged(depths: list[np.ndarray], dt_s: float = 0.05) -> list[Reason | None]:
+    state, out = PictureState(), []
+    for depth in depths:
+        state = step_picture(state, frame(depth), dt_s, CONFIG)
+        out.append(state.refused)
+    return out
+
+
 def test_blank_and_saturated_pictures() -> None:
-    assert no_picture(frame(np.zeros((120, 160)))) is Reason.FRAME_BLANK
-    assert no_picture(frame(np.full((120, 160), 65535))) is Reason.FRAME_SATURATED
-    depth = np.zeros((120, 160))
-    depth[60, 80] = 2000
-    assert no_picture(frame(depth)) is None
+    one_reading = np.zeros((120, 160))
+    one_reading[60, 80] = 2000
+    pictures = [np.zeros((120, 160)), np.full((120, 160), 65535), one_reading]
+    assert judged(pictures) == [Reason.FRAME_BLANK, Reason.FRAME_SATURATED, None]
+
+
+def test_a_picture_that_stays_the_very_same_is_frozen_and_a_moved_one_is_not() -> None:
+    picture = np.random.default_rng(1).integers(2000, 3000, (120, 160))
+    moved = picture.copy()
+    moved[60, 80] += 1
+    reasons = judged([picture] * 10 + [moved] + [picture] * 3)
+    frozen = [i for i, reason in enumerate(reasons) if reason is Reason.FRAME_FROZEN]
+    assert frozen == list(range(4, 10)), "after 0.2 s, and it ends with the first other picture"
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from stick_figure import Person, joints, skeleton, track, without
 
+from teleop.config import OperatorConfig, TeleopConfig
 from teleop.config.intent import IntentConfig, LevelConfig
 from teleop.joints import JOINT_INDEX
 from teleop.level import rotation_level_camera
@@ -107,6 +108,47 @@ def test_unknown_joints_are_no_fault() -> None:
     body = without(skeleton(Person()), "hand_left", "knee_right")
     sight = step_sight(Sight(), Track(0, body, None, None, None, None), DT_S, True, CONFIG)
     assert sight.reasons == ()
+
+
+@pytest.mark.parametrize(("name", "stretched"), [("elbow_right", 0.4), ("elbow_right", 2.0), ("knee_left", 1.8)])
+def test_a_joint_at_the_end_of_an_impossible_bone_is_unknown(name: str, stretched: float) -> None:
+    start = {"elbow_right": "shoulder_right", "knee_left": "hip_left"}[name]
+    points = joints(Person())
+    a, b = JOINT_INDEX[start], JOINT_INDEX[name]
+    points[b] = points[a] + stretched * (points[b] - points[a])
+    sight = step_sight(Sight(), of(points), DT_S, True, CONFIG)
+    assert sight.reasons == (Reason.BONE_LENGTH,)
+    assert sight.body is not None and sight.body.joint(name) is None
+    beyond = {"elbow_right": "hand_right", "knee_left": "foot_left"}[name]
+    assert sight.body.joint(beyond) is None and sight.body.joint("elbow_left") is not None
+    assert sight.shown is not None and sight.shown.joint(name) is not None
+
+
+def test_a_body_without_a_possible_trunk_is_not_seen_and_a_profile_judges_sharper() -> None:
+    points = joints(Person())
+    points[JOINT_INDEX["shoulder_center"], 1] += 0.5
+    sight = step_sight(Sight(), of(points), DT_S, True, CONFIG)
+    assert sight.body is None and Reason.BONE_LENGTH in sight.reasons
+    points = joints(Person())
+    shoulder = points[JOINT_INDEX["shoulder_right"]]
+    points[JOINT_INDEX["elbow_right"]] = shoulder + 1.4 * (points[JOINT_INDEX["elbow_right"]] - shoulder)
+    own = TeleopConfig(operator=OperatorConfig(name="ann", bones_m={"upper_arm": 0.30})).effective_intent()
+    assert step_sight(Sight(), of(points), DT_S, True, CONFIG).reasons == ()
+    assert step_sight(Sight(), of(points), DT_S, True, own).reasons == (Reason.BONE_LENGTH,)
+
+
+def test_a_floor_that_tilts_at_once_is_doubted_until_it_has_stayed() -> None:
+    up, tilted = np.array([0.0, 1.0, 0.0]), np.array([0.0, np.cos(0.2), np.sin(0.2)])
+    sight, doubted = Sight(), []
+    for normal in [up] * 5 + [tilted] * 3 + [up] * 5 + [tilted] * 30:
+        sight = step_sight(sight, of(joints(Person()), FloorPlane(normal, 1.0)), DT_S, True, CONFIG)
+        assert sight.body is not None
+        level = bool(np.allclose(sight.body.joints_m, joints(Person())))
+        assert level or Reason.FLOOR_JUMP not in sight.reasons
+        doubted.append(Reason.FLOOR_JUMP in sight.reasons)
+    assert [i for i, doubt in enumerate(doubted[:13]) if doubt] == [5, 6, 7]
+    assert sum(doubted[13:]) * DT_S == pytest.approx(CONFIG.level.settle_s, abs=2 * DT_S) and not doubted[-1]
+    assert not level, "a sensor that was moved is believed in the end"
 
 
 def test_left_right_swap_does_not_move_the_trunk() -> None:

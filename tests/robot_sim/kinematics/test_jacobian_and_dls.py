@@ -71,7 +71,7 @@ def test_damped_solver_says_how_far_it_got() -> None:
         solve_dls(chain, T, np.zeros(6), weight=(0, 0, 0, 0, 0, 0))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(angle, st.floats(-1.5, 1.5), angle)
 def test_rotation_conversions_agree(roll: float, pitch: float, yaw: float) -> None:
     T = rpy(roll, pitch, yaw)

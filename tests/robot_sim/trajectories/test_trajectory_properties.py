@@ -42,7 +42,7 @@ def derivative_errors(trajectory: Trajectory) -> tuple[float, float]:
     return speed, np.abs((high.qd - low.qd) / (2 * h) - mid.qdd).max() / scale_a
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(joints, joints, seconds)
 def test_polynomials_meet_their_ends_and_are_consistent(a: list[float], b: list[float], T: float) -> None:
     for make in (cubic, quintic):
@@ -55,7 +55,7 @@ def test_polynomials_meet_their_ends_and_are_consistent(a: list[float], b: list[
         assert max(derivative_errors(trajectory)) < 1e-4
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(joints, joints, joints, joints, joints, joints, seconds)
 def test_quintic_meets_given_speeds_and_accelerations(
     a: list[float], b: list[float], u: list[float], w: list[float], s: list[float], e: list[float], T: float
@@ -74,7 +74,7 @@ def test_quintic_has_the_sources_coefficients() -> None:
     np.testing.assert_allclose(a, printed, atol=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(joints, joints, st.floats(0.1, 5), st.floats(0.1, 20))
 def test_trapezoid_keeps_and_uses_its_limits(a: list[float], b: list[float], speed: float, acc: float) -> None:
     trajectory = trapezoid(a, b, speed, acc)

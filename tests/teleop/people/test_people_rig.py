@@ -19,7 +19,7 @@ def joint(joints, name):
     return joints[JOINT_INDEX[name]]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1))
 def test_bones_keep_their_length_in_any_pose(seed):
     posed = pose_rig(BODY.rig, random_pose(np.random.default_rng(seed)))
@@ -29,7 +29,7 @@ def test_bones_keep_their_length_in_any_pose(seed):
             assert np.linalg.norm(posed.p_m[b] - posed.p_m[parent]) == pytest.approx(rest, abs=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1))
 def test_every_bone_turns_by_a_proper_rotation(seed):
     R = pose_rig(BODY.rig, random_pose(np.random.default_rng(seed))).R
@@ -37,7 +37,7 @@ def test_every_bone_turns_by_a_proper_rotation(seed):
     assert np.allclose(np.linalg.det(R), 1.0)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1))
 def test_limbs_point_where_the_pose_says(seed):
     pose = random_pose(np.random.default_rng(seed))
@@ -53,7 +53,7 @@ def test_limbs_point_where_the_pose_says(seed):
             assert np.allclose(d, unit(wanted), atol=1e-6), (side, a, b)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 2**32 - 1))
 def test_trunk_joints_lie_on_the_line_from_hips_to_shoulders(seed):
     joints = joints_m(BODY.rig, pose_rig(BODY.rig, random_pose(np.random.default_rng(seed))))
@@ -74,7 +74,7 @@ def test_a_rigid_motion_moves_all_joints_alike():
     assert np.allclose(joints_m(BODY.rig, posed.moved(R, t)), joints_m(BODY.rig, posed) @ R.T + t)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32 - 1))
 def test_swing_takes_one_direction_to_the_other(seed):
     rng = np.random.default_rng(seed)

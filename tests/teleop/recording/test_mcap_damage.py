@@ -41,7 +41,7 @@ def read_all(path: Path) -> list[DepthFrame]:
         source.close()
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_cut_anywhere_it_opens_up_to_the_last_complete_chunk(whole: bytes, tmp_path: Path, data: st.DataObject) -> None:
     length = data.draw(st.integers(0, len(whole)))
@@ -61,7 +61,7 @@ def test_cut_anywhere_it_opens_up_to_the_last_complete_chunk(whole: bytes, tmp_p
         np.testing.assert_array_equal(frame.depth_mm, original.depth_mm)
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_damaged_bytes_give_frames_or_one_error(whole: bytes, tmp_path: Path, data: st.DataObject) -> None:
     damaged = bytearray(whole)
@@ -82,7 +82,7 @@ def test_damaged_bytes_give_frames_or_one_error(whole: bytes, tmp_path: Path, da
         assert len(read) <= 60
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(noise=st.binary(max_size=400))
 def test_noise_behind_the_magic_is_an_error(tmp_path: Path, noise: bytes) -> None:
     path = tmp_path / "noise.mcap"

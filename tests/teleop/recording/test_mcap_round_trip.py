@@ -36,7 +36,7 @@ def robot_state() -> RobotState:
     return RobotState(0.5, 1.0, 2.0, np.pi / 2, 0.1, 0.0, {"j": 0.25}, {}, True, False, False, Liquid.WATER, False)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     depth=st.tuples(st.integers(1, 40), st.integers(1, 40)).flatmap(
         lambda shape: hnp.arrays(np.uint16, (3, *shape), elements=st.integers(0, 65535))

@@ -29,7 +29,7 @@ T = ((1.0, 0.0, 0.0, 0.025), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0
 CAMERA = Camera(Intrinsics(50.5, 50.0, 3.5, 2.5, 8, 6), True, Intrinsics(60.0, 60.0, 7.0, 5.0, 16, 12), T)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     depth=hnp.arrays(np.uint16, (6, 8), elements=st.integers(0, 65535)),
     t_ns=st.integers(0, 2**63 - 1),
@@ -64,7 +64,7 @@ def test_the_camera_comes_back() -> None:
         assert decode_camera(encode_camera(camera, has_color=False)) == (camera, False)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(data=st.data())
 def test_damaged_messages_give_frames_or_one_error(data: st.DataObject) -> None:
     color = np.full((12, 16, 3), 90, np.uint8)
@@ -78,7 +78,7 @@ def test_damaged_messages_give_frames_or_one_error(data: st.DataObject) -> None:
         assert "\n" not in str(error)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(text=st.text() | st.recursive(st.none() | st.integers() | st.text(), st.lists).map(json.dumps))
 def test_other_texts_are_refused(text: str) -> None:
     with pytest.raises(SourceError):
