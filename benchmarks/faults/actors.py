@@ -58,6 +58,7 @@ POSES: Final = {
     "picking, second person": Pose(**REACH, apart_deg=24.0, second=(1.0, 2.9)),
     "outside": Pose(x_m=1.25, z_m=3.0),
     "second person alone": Pose(x_m=0.95, z_m=2.9),
+    "nobody": Pose(x_m=9.0, z_m=2.0),
 }
 
 
@@ -94,15 +95,6 @@ def pictures(name: str) -> tuple[DepthFrame, ...]:
         DepthFrame(0, sense(shot.depth_m, CAMERA, np.random.default_rng(i)).depth_mm, CAMERA, shot.color_rgb)
         for i in range(VARIANTS)
     )
-
-
-def empty_room() -> DepthFrame:
-    """Nobody there."""
-    rng = np.random.default_rng(3)
-    far = _figure(0, Pose(), (9.0, 2.0))
-    view = sensor_view(SENSOR_HEIGHT_M, SENSOR_TILT_RAD)
-    shot = shoot((far,), greenhouse_room(1), view, CAMERA, Light(), rng)
-    return DepthFrame(0, sense(shot.depth_m, CAMERA, rng).depth_mm, CAMERA, shot.color_rgb)
 
 
 def flat(value_mm: int) -> DepthFrame:

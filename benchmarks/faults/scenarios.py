@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
-from benchmarks.faults.actors import empty_room, flat, pictures
+from benchmarks.faults.actors import flat, pictures
 from benchmarks.faults.stage import Stage, with_joints
 from benchmarks.faults.watch import ARMS, State, commanded_still
 from robot_sim.clearance import margins_m
 from robot_sim.commands import ARM_NAMES
+from teleop.frames import DepthFrame
 from teleop.joints import JOINT_INDEX
 
 ACTING: Final = ("picking", "spraying", "forward", "back", "left", "right")
+IDLE: Final = ("no_person", "seen", "held")
+_STEADY_DEG: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """name; mode before it; begin: makes it happen. must: ``still`` or ``steady`` (goes on, arms not displaced).
+    """name; mode before it; begin: makes it happen.
 
+    must: ``still`` (and stays so), ``steady`` (goes on, arms not displaced) or ``unmoved`` (either of them).
     reasons: one of these codes must be seen. watch_s: how long the outcome is watched.
     """
 
@@ -36,29 +40,32 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What was seen. Times in ms after the fault began, None: never. displaced_deg: largest change of an arm target."""
+    """What was seen. Times in ms after the fault began, None: never. displaced_deg: largest change of an arm target.
+    stayed: nothing was commanded to move after the robot had been told to stand still."""
 
     fault: Fault
     command_ms: float | None
     rest_ms: float | None
     displaced_deg: float
     mode_after: str
+    stayed: bool
     codes: tuple[str, ...] = field(default=())
 
     @property
     def fulfilled(self) -> bool:
         """Whether the robot did what it has to, with a reason."""
         reasoned = any(code in self.codes for code in self.fault.reasons)
-        if self.fault.must == "still":
-            return reasoned and self.command_ms is not None and self.rest_ms is not None
-        return reasoned and self.displaced_deg <= 0.5 and self.command_ms is None
+        stood = self.command_ms is not None and self.rest_ms is not None and self.stayed
+        steady = self.displaced_deg <= _STEADY_DEG and self.command_ms is None
+        kept = {"still": stood, "steady": steady, "unmoved": self.displaced_deg <= _STEADY_DEG}
+        return reasoned and kept[self.fault.must]
 
     @property
     def did(self) -> str:
         """In words."""
         if self.command_ms is None:
-            return "went on, arms in place" if self.displaced_deg <= 0.5 else "went on, arms moved"
-        return "stood still"
+            return "went on, arms in place" if self.displaced_deg <= _STEADY_DEG else "went on, arms moved"
+        return "stood still" if self.stayed else "stood still for a moment"
 
 
 def _stamps(change: Callable[[int, int], int]) -> Callable[[Stage], None]:
@@ -140,8 +147,55 @@ def _two_sources(on: Stage) -> None:
     on.post("/robot/command", {"drive_m_s": 0.4, "right_arm": {"c1_deg": 90, "c2_deg": 90, "elbow_deg": 90}})
 
 
+def _two_clients(on: Stage) -> None:
+    on.post("/engage", client="a" * 16)
+    on.post("/robot/command", {"drive_m_s": 0.4, "spray_on": True}, client="b" * 16)
+    on.post("/lease/release", client="a" * 16)
+
+
 def _estop(on: Stage) -> None:
     on.post("/estop")
+
+
+def _estop_and_engage(on: Stage) -> None:
+    on.post("/estop")
+    on.post("/engage")
+
+
+def _estop_and_reset(on: Stage) -> None:
+    on.post("/estop")
+    time.sleep(0.4)
+    on.post("/estop/reset")
+
+
+def _storm(on: Stage) -> None:
+    rng = np.random.default_rng(1)
+    clean = on.scene
+
+    def noise(i: int) -> DepthFrame | None:
+        frame = clean(i)
+        return frame and replace(frame, depth_mm=rng.integers(500, 6000, frame.depth_mm.shape).astype(np.uint16))
+
+    on.scene = noise
+
+
+def _torn(on: Stage) -> None:
+    clean = on.scene
+
+    def upper_half(i: int) -> DepthFrame | None:
+        frame = clean(i)
+        if frame is None or i % 3:
+            return frame
+        depth_mm = frame.depth_mm.copy()
+        depth_mm[len(depth_mm) // 2 :] = 0
+        return replace(frame, depth_mm=depth_mm)
+
+    on.scene = upper_half
+
+
+def _frozen(on: Stage) -> None:
+    picture = on.scene(0)
+    on.scene = lambda _i: picture
 
 
 FAULTS: Final[tuple[Fault, ...]] = (
@@ -157,31 +211,43 @@ FAULTS: Final[tuple[Fault, ...]] = (
           ("refused.frame_future",)),
     Fault("blank frames", "forward", _scene(lambda _: flat(0)), "still", ("refused.frame_blank",)),
     Fault("saturated frames", "picking", _scene(lambda _: flat(4000)), "still", ("refused.frame_saturated",)),
+    Fault("frozen picture, stamps go on", "forward", _frozen, "still", ("refused.frame_frozen",)),
+    Fault("nothing but noise", "forward", _storm, "still", ("hold.tracking_lost", "refused.operator_jump")),
+    Fault("lower half missing, one frame in three", "picking", _torn, "unmoved", ("hold.arm_locked",)),
     Fault("joints NaN", "picking", _nan, "still", ("hold.tracking_lost",)),
     Fault("joints infinite", "forward", _infinite, "still", ("refused.joint_not_finite",)),
     Fault("arm teleports, one frame in six", "picking", _teleport, "steady", ("refused.joint_jump",)),
     Fault("left and right swapped", "picking", _swapped, "steady", ("refused.joint_jump", "hold.not_facing")),
-    Fault("operator gone", "forward", _scene(lambda _: empty_room()), "still", ("hold.tracking_lost",)),
+    Fault("operator gone", "forward", _other_pose("nobody"), "still", ("hold.tracking_lost",)),
     Fault("operator walked out", "right", _other_pose("outside"), "still",
           ("refused.operator_jump", "stop.out_of_range", "mode.operator_changed")),
     Fault("second person enters", "picking", _other_pose("picking, second person"), "steady", ("hold.arm_locked",)),
     Fault("second person takes the place", "forward", _other_pose("second person alone"), "still",
           ("mode.operator_changed", "hold.tracking_lost", "refused.operator_jump")),
     Fault("two sources command at once", "picking", _two_sources, "steady", ("refused.request_operator_engaged",)),
+    Fault("two clients command at once", "picking", _two_clients, "steady", ("lease",)),
     Fault("camera unplugged", "forward", Stage.unplug, "still", ("stop.source_failed",)),
-    *(Fault("emergency stop", mode, _estop, "still", ("stop.estop",)) for mode in ACTING),
+    *(Fault("emergency stop", mode, _estop, "still", ("stop.estop",)) for mode in (*ACTING, *IDLE)),
+    Fault("emergency stop, then its reset", "picking", _estop_and_reset, "still", ("mode.estop_reset",)),
+    Fault("engage during an emergency stop", "seen", _estop_and_engage, "still", ("refused.engage_estop",)),
 )  # fmt: skip
 
 
 def prepare(on: Stage, fault: Fault) -> None:
     """The operator in control, in the fault's mode, the arms arrived."""
-    on.calm(fault.mode)
+    on.calm({"seen": "picking", "held": "forward", "no_person": "forward"}.get(fault.mode, fault.mode))
     on.post("/estop/reset")
     if on.camera_gone:
         on.open()
     time.sleep(0.5)
-    on.engage(fault.mode)
-    settle(on, 5.0)
+    if fault.mode == "seen":
+        on.post("/disengage")
+    elif fault.mode != "no_person":
+        on.engage("forward" if fault.mode == "held" else fault.mode)
+        settle(on, 5.0)
+    if fault.mode in ("held", "no_person"):
+        on.calm("nobody")
+    on.await_mode(fault.mode)
 
 
 def settle(on: Stage, most_s: float) -> None:
@@ -204,6 +270,7 @@ def _targets(state: State) -> dict[str, tuple[float, ...] | None]:
 def run(on: Stage, fault: Fault) -> Outcome:
     """One fault from a fresh start; the stage is left as it is."""
     prepare(on, fault)
+    on.refused.clear()
     before = _targets(on.watch.states[-1][1])
     begun_s = time.monotonic()
     fault.begin(on)
@@ -222,7 +289,9 @@ def run(on: Stage, fault: Fault) -> Outcome:
             if target is not None and old is not None:
                 # the elbow is continuous and trembles; the shoulder's steps must not change at all
                 displaced = max(displaced, *(abs(a - b) for a, b in zip(target[:2], old[:2], strict=True)))
-    codes = tuple(dict.fromkeys((*on.watch.codes_since(begun_s), *(c for _, s in seen for c in s["reasons"]))))
+    codes = tuple(
+        dict.fromkeys((*on.watch.codes_since(begun_s), *on.refused, *(c for _, s in seen for c in s["reasons"])))
+    )
     last = seen[-1][1] if seen else {"mode": "?"}
     return Outcome(
         fault,
@@ -230,6 +299,7 @@ def run(on: Stage, fault: Fault) -> Outcome:
         None if rest_s is None else 1e3 * (rest_s - begun_s),
         displaced,
         str(last["mode"]),
+        all(commanded_still(s) for t, s in seen if still_s is not None and t >= still_s),
         codes,
     )
 

@@ -100,6 +100,8 @@ class Stage:
         self._camera = ScriptedCamera()
         self._stop = threading.Event()
         self._seq = 0
+        self.refused: list[str] = []
+        """Codes of requests that the server refused, see server.api.problems."""
         self.calm("forward")
         self._feeder = threading.Thread(target=self._feed, daemon=True)
 
@@ -127,8 +129,20 @@ class Stage:
     def camera_gone(self) -> bool:
         return self._camera.unplugged
 
-    def post(self, path: str, body: dict[str, object] | None = None) -> httpx.Response:
-        return self.api.post(path, json=body)
+    def post(self, path: str, body: dict[str, object] | None = None, client: str = "") -> None:
+        """Ask the server for something; client: who asks, 16 letters or digits, for the lease."""
+        response = self.api.post(path, json=body, headers={"X-Teleop-Client": client} if client else {})
+        if response.is_error:
+            self.refused.append(str(response.json().get("code")))
+
+    def await_mode(self, mode: str, most_s: float = 10.0) -> None:
+        """Wait for a mode. Raises RuntimeError when it does not come."""
+        end = time.monotonic() + most_s
+        while time.monotonic() < end:
+            if self.watch.last is not None and self.watch.last["mode"] == mode:
+                return
+            time.sleep(0.01)
+        raise RuntimeError(f"mode {mode} was not reached; it is {self.watch.last and self.watch.last['mode']}")
 
     def engage(self, mode: str, most_s: float = 20.0) -> None:
         """Engage who is seen, as often as it takes, until a mode is reached. Raises RuntimeError when it is not."""
