@@ -48,12 +48,12 @@ def apply_request(
     if asked.mode is Mode.STOPPED:
         return command, state, Reason.BODY_STOP
     arms = dict(state.arms)
-    asked: tuple[tuple[ArmName, ArmTarget | None], ...] = (
+    targets: tuple[tuple[ArmName, ArmTarget | None], ...] = (
         ("right", request.right_arm),
         ("left", request.left_arm),
         ("rear", request.rear_arm),
     )
-    for name, target in asked:
+    for name, target in targets:
         if target is not None:
             arms[name] = eased_from(target)
     liquid = state.tools.liquid if request.liquid is None else request.liquid
