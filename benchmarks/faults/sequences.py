@@ -7,7 +7,7 @@ aside: skeletons are put in where the tracker gives them out, and set-points are
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -21,12 +21,14 @@ from scripted import PERIOD_NS, Rig, engaged, rig
 from stick_figure import BESIDE_HEAD, CROSSED, FISTS, NO_HANDS, OPEN_HANDS, Person, raised
 
 from robot_sim.actuators import JOINT_INDEX, JOINTS, axes
-from robot_sim.arm_angles import ARM_AXES, arm_target
+from robot_sim.arm_angles import ARM_AXES
 from robot_sim.clearance import margins_m
 from robot_sim.commands import ARM_NAMES, ArmTarget, Liquid, RobotCommand
 from robot_sim.config import RobotConfig
 from robot_sim.limiter import Setpoints, advance, home_setpoints, latch_estop, resolve
-from robot_sim.posture import Posture
+from robot_sim.pick.plan import Scenery
+from robot_sim.state import RobotState
+from teleop.assist.task import RobotView
 from teleop.inputs import Inputs, RobotRequest
 from teleop.intent_types import Mode
 from teleop.modes import ACTING
@@ -143,10 +145,12 @@ class Player:
 
     def _frame(self, who: Person | Skeleton | None, dt_ns: int, inputs: Inputs, reset: bool) -> None:
         told = dict(zip(JOINTS, self.robot.position, strict=True))
-        posture = Posture({arm: arm_target(told, arm) for arm in ARM_NAMES}, told["disc"])
+        speeds = (self.robot.drive_m_s, self.robot.turn_rad_s)
+        stands = RobotState(0.0, 0.0, 0.0, 0.0, *speeds, told, told, True, False, False, Liquid.WATER, self.estop)
+        self.rig.robot = RobotView(stands, ROBOT, Scenery((), ()))
         self.estop = inputs.estop or (self.estop and not inputs.estop_reset)
         before = self.rig.state.kernel
-        out = self.rig.show(who, replace(inputs, posture=posture), dt_ns, reset=reset)
+        out = self.rig.show(who, inputs, dt_ns, reset=reset)
         self._check(out, inputs)
         for name, memory in before.arms.items():
             target = out.command.arm(name)
