@@ -32,7 +32,7 @@ from teleop.evaluation.stills import Stills
 from teleop.evaluation.store import FrameStore
 from teleop.joints import N_JOINTS
 from teleop.training.build import bone_lengths, join_trees
-from teleop.training.dataset import Images, Pixels, draw_pixels
+from teleop.training.images import Images, Pixels, draw_pixels
 from teleop.training.fitting import best_errors_m, fit_model, propose_all, walk_frames
 from teleop.training.leaves import Leaves, fill_leaves
 from teleop.training.trainer import Tree, TreeSpec, grow_tree

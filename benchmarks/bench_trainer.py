@@ -21,7 +21,7 @@ from teleop.body.features import depth_difference
 from teleop.body.model import OFFSET_UNIT_M
 from teleop.errors import DataError
 from teleop.evaluation.section import table
-from teleop.training.dataset import Images, Pixels, draw_pixels
+from teleop.training.images import Images, Pixels, draw_pixels
 from teleop.training.leaves import fill_leaves
 from teleop.training.trainer import TreeSpec, grow_tree, pixel_scales
 

@@ -10,17 +10,19 @@ import typer
 
 def train(
     output: Annotated[Path, typer.Option(help="Model file; CARD.md is written beside it.")] = Path("body.npz"),
-    frames: Annotated[int, typer.Option(min=200, max=1_000_000, help="Rendered frames for the forest.")] = 24000,
-    network_frames: Annotated[
-        int, typer.Option(min=200, max=1_000_000, help="Rendered frames for the networks, the forest's among them.")
-    ] = 100_000,
-    steps: Annotated[int, typer.Option(min=10, max=1_000_000, help="Steps of a network; half for the legs.")] = 12_500,
+    frames: Annotated[int, typer.Option(min=200, max=10_000_000, help="Rendered frames.")] = 160_000,
+    forest_frames: Annotated[
+        int, typer.Option(min=200, max=10_000_000, help="The first of them, from which the forest is grown.")
+    ] = 24_000,
+    steps: Annotated[
+        float, typer.Option(min=0.0001, max=100, help="Share of the networks' training steps, for a quick trial.")
+    ] = 1.0,
     trees: Annotated[int, typer.Option(min=1, max=16, help="Trees of the forest.")] = 3,
     candidates: Annotated[int, typer.Option(min=10, max=10000, help="Features tried at a node.")] = 150,
     seed: Annotated[int, typer.Option(min=0, help="Seed of every draw.")] = 2011,
-    work: Annotated[Path, typer.Option(help="Folder of rendered frames; a second run goes on from it.")] = Path(
-        "training-frames"
-    ),
+    work: Annotated[
+        Path, typer.Option(help="Folder of rendered frames and finished stages; a second run goes on from it.")
+    ] = Path("training-frames"),
     workers: Annotated[
         int | None, typer.Option(min=1, max=256, help="Processes that render; default all cores.")
     ] = None,
@@ -28,27 +30,24 @@ def train(
         str | None, typer.Option(metavar="ADDRESS", help="Render on a Dask cluster instead, such as tcp://host:8786.")
     ] = None,
 ) -> None:
-    """Render people, grow the forest, train the networks, fit them on validation frames; write model and card."""
+    """Render people, train the networks, grow the forest, fit on validation frames; write model and card."""
     from rich.console import Console
     from rich.progress import Progress
 
     from teleop.training.build import BuildSpec
-    from teleop.training.chaining import ChainSpec
-    from teleop.training.locating import CoarseSpec
-    from teleop.training.recipe import Recipe, train_model
-    from teleop.training.refining import RefinerSpec
+    from teleop.training.recipe import Recipe, shortened, train_model
     from teleop.training.trainer import TreeSpec
 
-    recipe = Recipe(
-        frames=frames,
-        network_frames=network_frames,
-        coarse=CoarseSpec(steps=steps),
-        refiner=RefinerSpec(steps=steps),
-        limbs=(ChainSpec(steps=steps), ChainSpec(steps=max(1, steps // 2))),
-        seed=seed,
-        workers=workers,
-        scheduler=scheduler,
-        build=BuildSpec(trees=trees, tree=TreeSpec(candidates=candidates)),
+    recipe = shortened(
+        Recipe(
+            frames=frames,
+            forest_frames=min(forest_frames, frames),
+            seed=seed,
+            workers=workers,
+            scheduler=scheduler,
+            build=BuildSpec(trees=trees, tree=TreeSpec(candidates=candidates)),
+        ),
+        steps,
     )
     with Progress(console=Console(stderr=True)) as bars:
         tasks: dict[str, int] = {}

@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.crop import WHOLE, body_centre, crop_cells
+from teleop.body.crop import WHOLE, body_centre, sample_crop
+from teleop.body.features import Pixels
 from teleop.body.layers import F32, Convolution, convolve
 from teleop.joints import N_JOINTS
 
@@ -81,30 +82,16 @@ def places(net: CoarseNet, crop: F32) -> tuple[Floats, Floats]:
     return voted[:, :3].astype(np.float64), np.exp(voted[:, 3].astype(np.float64)) * SPREAD_M
 
 
-def locate(
-    net: CoarseNet, flat_mm: npt.NDArray[np.int16], width: int, height: int, intrinsics: Floats
-) -> tuple[Floats, Floats]:
-    """All joints (20, 3) of the operator, seen or not, and their spread (20,) in metres.
+def whole_crop(image: Pixels, centre: tuple[float, float, float], mirror: bool = False) -> F32:
+    """The network's crop (rows, columns, 2) of the operator about a centre, see body_centre."""
+    out = np.empty((WHOLE.rows, WHOLE.columns, 2), np.float32)
+    focal = (float(image.intrinsics[0]), float(image.intrinsics[1]))
+    sample_crop(image.flat_mm, image.first, image.width, image.height, centre, focal, mirror, WHOLE.tuple(), out)
+    return out
 
-    flat_mm: canonical image of the operator, row by row. intrinsics: fx, fy, cx, cy counted from its first pixel.
-    """
-    centre = body_centre(flat_mm, 0, width, height)
-    s = WHOLE
-    crop = crop_cells(
-        flat_mm,
-        0,
-        width,
-        height,
-        *centre,
-        float(intrinsics[0]),
-        float(intrinsics[1]),
-        False,
-        s.rows,
-        s.columns,
-        s.cell_m,
-        s.unit_m,
-        s.near,
-        s.far,
-    )
-    found, spread = places(net, crop)
-    return from_crop(found, centre, intrinsics), spread
+
+def locate(net: CoarseNet, image: Pixels) -> tuple[Floats, Floats]:
+    """All joints (20, 3) of the operator, seen or not, and their spread (20,) in metres."""
+    centre = body_centre(image)
+    found, spread = places(net, whole_crop(image, centre))
+    return from_crop(found, centre, image.intrinsics), spread

@@ -11,14 +11,15 @@ import numpy.typing as npt
 
 @nb.njit(cache=True, nogil=True)
 def label_surfaces(
-    depth_m: npt.NDArray[np.float32], usable: npt.NDArray[np.bool_], jump_m: float
+    depth_mm: npt.NDArray[np.uint16], usable: npt.NDArray[np.bool_], jump_m: float
 ) -> tuple[npt.NDArray[np.int32], int]:
     """Label (h, w) of each usable cell, -1 elsewhere, and the number of labels.
 
     Neighbours belong together when their depths differ by less than ``jump_m`` at 2 m, growing with z^2 as
     quantisation does. One unusable cell between two is bridged: dropouts would cut thin arms.
     """
-    height, width = depth_m.shape
+    height, width = depth_mm.shape
+    limits = np.float32(1000.0 * jump_m)
     labels = np.full((height, width), -1, np.int32)
     stack = np.empty((height * width, 2), np.int32)
     count = 0
@@ -32,8 +33,9 @@ def label_surfaces(
             while top > 0:
                 top -= 1
                 r, c = stack[top, 0], stack[top, 1]
-                z = depth_m[r, c]
-                limit = jump_m * max(1.0, z * z * 0.25)
+                z = np.int32(depth_mm[r, c])
+                metres = np.float32(z) * np.float32(1e-3)
+                limit = limits * max(np.float32(1.0), metres * metres * np.float32(0.25))
                 for direction in range(4):
                     dr = (direction == 0) - (direction == 1)
                     dc = (direction == 2) - (direction == 3)
@@ -42,7 +44,7 @@ def label_surfaces(
                         if rr < 0 or cc < 0 or rr >= height or cc >= width:
                             break
                         if usable[rr, cc]:
-                            if labels[rr, cc] < 0 and abs(depth_m[rr, cc] - z) < limit:
+                            if labels[rr, cc] < 0 and abs(np.int32(depth_mm[rr, cc]) - z) < limit:
                                 labels[rr, cc] = count
                                 stack[top, 0], stack[top, 1] = rr, cc
                                 top += 1
@@ -56,7 +58,8 @@ class Surfaces:
     """Figures of all labels, arrays over the labels.
 
     area_m2: (C,) visible surface facing the sensor. low_m, high_m: (C, 3) levelled extents; y is height (above the
-    floor where it is known, else above the sensor). centre_m: (C, 3) mean, same axes. cells: (C,).
+    floor where it is known, else above the sensor). centre_m: (C, 3) mean, same axes. cells: (C,). person: (C,) mean
+    probability that a cell shows a person, 1 where nobody asked.
     """
 
     area_m2: npt.NDArray[np.float64]
@@ -64,49 +67,52 @@ class Surfaces:
     high_m: npt.NDArray[np.float64]
     centre_m: npt.NDArray[np.float64]
     cells: npt.NDArray[np.int64]
+    person: npt.NDArray[np.float64]
 
 
 @nb.njit(cache=True, nogil=True)
 def _measure(
-    labels: npt.NDArray[np.int32], points_m: npt.NDArray[np.float32], depth_m: npt.NDArray[np.float32], count: int
-) -> tuple[
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.int64],
-]:
-    low = np.full((count, 3), np.inf)
-    high = np.full((count, 3), -np.inf)
-    centre = np.zeros((count, 3))
-    square = np.zeros(count)
-    cells = np.zeros(count, np.int64)
+    labels: npt.NDArray[np.int32],
+    points_m: npt.NDArray[np.float32],
+    depth_mm: npt.NDArray[np.uint16],
+    person: npt.NDArray[np.float32],
+    count: int,
+) -> npt.NDArray[np.float64]:
+    """Rows (C, 12): cells, sum of squared depths, of probabilities, low, high and summed points."""
+    out = np.zeros((count, 12))
+    out[:, 3:6], out[:, 6:9] = np.inf, -np.inf
     for r in range(labels.shape[0]):
         for c in range(labels.shape[1]):
             k = labels[r, c]
             if k >= 0:
-                cells[k] += 1
-                square[k] += depth_m[r, c] * depth_m[r, c]
+                z = np.float64(depth_mm[r, c]) * 1e-3
+                out[k, 0] += 1.0
+                out[k, 1] += z * z
+                out[k, 2] += person[r, c] if person.size else 1.0
                 for a in range(3):
                     p = points_m[r, c, a]
-                    low[k, a] = min(low[k, a], p)
-                    high[k, a] = max(high[k, a], p)
-                    centre[k, a] += p
-    for k in range(count):
-        centre[k] /= cells[k]
-    return square, low, high, centre, cells
+                    out[k, 3 + a] = min(out[k, 3 + a], p)
+                    out[k, 6 + a] = max(out[k, 6 + a], p)
+                    out[k, 9 + a] += p
+    return out
 
 
 def measure_surfaces(
     labels: npt.NDArray[np.int32],
     points_m: npt.NDArray[np.float32],
-    depth_m: npt.NDArray[np.float32],
+    depth_mm: npt.NDArray[np.uint16],
+    person: npt.NDArray[np.float32] | None,
     count: int,
     cell_per_focal: float,
 ) -> Surfaces:
-    """Figures of each label. points_m: (h, w, 3) levelled. cell_per_focal: width of a cell at 1 m [m]."""
-    square, low, high, centre, cells = _measure(labels, points_m, depth_m, count)
-    return Surfaces(square * cell_per_focal**2, low, high, centre, cells)
+    """Figures of each label. points_m: (h, w, 3) levelled. person: (h, w) or None. cell_per_focal: width of a cell at
+    1 m [m]."""
+    cells = np.zeros((0, 0), np.float32) if person is None else person
+    m = _measure(labels, points_m, depth_mm, cells, count)
+    n = m[:, :1]
+    return Surfaces(
+        m[:, 1] * cell_per_focal**2, m[:, 3:6], m[:, 6:9], m[:, 9:] / n, m[:, 0].astype(np.int64), m[:, 2] / m[:, 0]
+    )
 
 
 @nb.njit(cache=True, nogil=True)
@@ -135,42 +141,57 @@ def adjacency(labels: npt.NDArray[np.int32], main: int, count: int, reach: int) 
 @nb.njit(cache=True, nogil=True)
 def grow_mask(
     depth_mm: npt.NDArray[np.uint16],
-    chosen: npt.NDArray[np.bool_],
+    labels: npt.NDArray[np.int32],
+    members: npt.NDArray[np.bool_],
     grid_mm: npt.NDArray[np.uint16],
     step: int,
     jump_m: float,
     floor_row: npt.NDArray[np.float64],
-) -> npt.NDArray[np.bool_]:
-    """Full-resolution mask (H, W): pixels whose depth agrees with a chosen cell round them.
+) -> tuple[npt.NDArray[np.bool_], int, tuple[int, int, int, int]]:
+    """Full-resolution mask (H, W): pixels whose depth agrees with a cell of the member labels (C,) round them; their
+    number, and the box (u0, v0, u1, v1) round them, ends excluded.
 
     floor_row: (4,) a, b, c, e with height above the cut ``z (a u + b v + c) + e``; (0, 0, 0, 1) cuts nothing.
     """
     height, width = depth_mm.shape
-    rows, columns = chosen.shape
+    rows, columns = labels.shape
     mask = np.zeros((height, width), np.bool_)
-    limit = np.empty((rows, columns), np.float32)
+    chosen = np.zeros((rows + 2, columns + 2), np.bool_)
+    limit = np.zeros((rows + 2, columns + 2), np.int32)
+    middle = np.zeros((rows + 2, columns + 2), np.int32)
     for r in range(rows):
         for c in range(columns):
-            z = grid_mm[r, c] * np.float32(1e-3)
-            limit[r, c] = jump_m * 1000.0 * max(np.float32(1.0), z * z * np.float32(0.25))
+            if labels[r, c] >= 0 and members[labels[r, c]]:
+                z = grid_mm[r, c] * np.float32(1e-3)
+                chosen[r + 1, c + 1] = True
+                middle[r + 1, c + 1] = grid_mm[r, c]
+                limit[r + 1, c + 1] = jump_m * 1000.0 * max(np.float32(1.0), z * z * np.float32(0.25))
+    a, b, top, e = np.float32(floor_row[0]), np.float32(floor_row[1]), np.float32(floor_row[2]), floor_row[3]
+    area, u0, v0, u1, v1 = 0, width, height, 0, 0
     for r in range(rows):
         for c in range(columns):
             near = False
-            for rr in range(max(r - 1, 0), min(r + 2, rows)):
-                for cc in range(max(c - 1, 0), min(c + 2, columns)):
+            for rr in range(r, r + 3):
+                for cc in range(c, c + 3):
                     near |= chosen[rr, cc]
             if not near:
                 continue
+            own, own_limit, own_chosen = middle[r + 1, c + 1], limit[r + 1, c + 1], chosen[r + 1, c + 1]
             for v in range(r * step, min(r * step + step, height)):
                 for u in range(c * step, min(c * step + step, width)):
                     d = np.int32(depth_mm[v, u])
-                    if d == 0 or d * 1e-3 * (floor_row[0] * u + floor_row[1] * v + floor_row[2]) + floor_row[3] <= 0:
+                    if d == 0:
+                        continue
+                    if np.float32(d) * np.float32(1e-3) * (a * u + b * v + top) + e <= 0:
                         continue
                     # nearly always its own cell agrees
-                    inside = chosen[r, c] and abs(d - np.int32(grid_mm[r, c])) < limit[r, c]
+                    inside = own_chosen and abs(d - own) < own_limit
                     if not inside:
-                        for rr in range(max(r - 1, 0), min(r + 2, rows)):
-                            for cc in range(max(c - 1, 0), min(c + 2, columns)):
-                                inside |= chosen[rr, cc] and abs(d - np.int32(grid_mm[rr, cc])) < limit[rr, cc]
-                    mask[v, u] = inside
-    return mask
+                        for rr in range(r, r + 3):
+                            for cc in range(c, c + 3):
+                                inside |= chosen[rr, cc] and abs(d - middle[rr, cc]) < limit[rr, cc]
+                    if inside:
+                        mask[v, u] = True
+                        area += 1
+                        u0, v0, u1, v1 = min(u0, u), min(v0, v), max(u1, u + 1), max(v1, v + 1)
+    return mask, area, (u0, v0, u1, v1)

@@ -21,12 +21,23 @@ FAR_MM: Final = 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Pixels:
+    """The operator's canonical image inside an array of one or many: flat_mm row by row, index of its first pixel,
+    width, height, intrinsics fx, fy, cx, cy (4,) counted from its first pixel."""
+
+    flat_mm: npt.NDArray[np.int16]
+    first: int
+    width: int
+    height: int
+    intrinsics: npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PaddedImage:
     """A canonical depth image of the operator alone.
 
     depth_mm: (h, w) int16, FAR_MM off the operator. u0, v0: canonical image coordinates of element (0, 0), may be
-    negative. fx, fy, cx, cy: canonical intrinsics: x = (u - cx) z / fx, y = -(v - cy) z / fy. pad: rows and columns
-    of padding on each side.
+    negative. fx, fy, cx, cy: canonical intrinsics: x = (u - cx) z / fx, y = -(v - cy) z / fy.
     """
 
     depth_mm: npt.NDArray[np.int16]
@@ -36,16 +47,6 @@ class PaddedImage:
     fy: float
     cx: float
     cy: float
-    pad: int = 0
-
-    def inner(self) -> npt.NDArray[np.int16]:
-        """A copy of the image without its padding."""
-        height, width = self.depth_mm.shape
-        return self.depth_mm[self.pad : height - self.pad, self.pad : width - self.pad].copy()
-
-    def inner_intrinsics(self) -> npt.NDArray[np.float64]:
-        """fx, fy, cx, cy (4,) counted from the first pixel of inner()."""
-        return np.array([self.fx, self.fy, self.cx - self.u0 - self.pad, self.cy - self.v0 - self.pad])
 
 
 def pad_image(
@@ -77,7 +78,23 @@ def pad_image(
         # pixel u of the camera is pixel -u here: the canonical image may begin anywhere
         cx, left = -cx, -(left + width - 1)
     image[pad : pad + height, pad : pad + width] = body
-    return PaddedImage(image, left - pad, v0 // step - pad, fx, fy, cx, cy, pad)
+    return PaddedImage(image, left - pad, v0 // step - pad, fx, fy, cx, cy)
+
+
+def operator_pixels(
+    depth_mm: npt.NDArray[np.uint16], mask: npt.NDArray[np.bool_], box: tuple[int, int, int, int], camera: Camera
+) -> Pixels:
+    """Canonical image of the operator's pixels at full resolution, without padding; arguments as in pad_image."""
+    u0, v0, u1, v1 = box
+    crop = depth_mm[v0:v1, u0:u1]
+    body = np.where(mask[v0:v1, u0:u1] & (crop < FAR_MM), crop, FAR_MM).astype(np.int16)
+    k = camera.depth
+    height, width = body.shape
+    cx = k.cx - u0
+    if not camera.mirrored:
+        body, cx = body[:, ::-1], width - 1 - cx
+    flat = np.ascontiguousarray(body).reshape(-1)
+    return Pixels(flat, 0, width, height, np.array([k.fx, k.fy, cx, k.cy - v0]))
 
 
 def working_step(camera: Camera, working_focal_px: float) -> int:

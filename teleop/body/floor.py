@@ -92,24 +92,60 @@ def find_floor(
     return None if score < config.min_inliers else _refine(points_m, normal, height, config)
 
 
+@nb.njit(cache=True, nogil=True)
+def fit_plane(
+    points_m: npt.NDArray[np.float32], normal: npt.NDArray[np.float64], height_m: float, inlier_m: float
+) -> tuple[npt.NDArray[np.float64], float, int, float]:
+    """Weighted least squares through the points near a plane, their number and their larger extent in x or z.
+
+    A point weighs 1 / noise^2, noise growing with z^2.
+    """
+    total, count = 0.0, 0
+    centre, low, high = np.zeros(3), np.full(3, np.inf), np.full(3, -np.inf)
+    square = np.zeros((3, 3))
+    p = np.zeros(3)
+    for i in range(len(points_m)):
+        z = points_m[i, 2]
+        noise = max(1.0, z * z * 0.25)
+        h = normal[0] * points_m[i, 0] + normal[1] * points_m[i, 1] + normal[2] * z + height_m
+        if abs(h) >= inlier_m * noise:
+            continue
+        count += 1
+        w = 1.0 / (noise * noise)
+        total += w
+        for a in range(3):
+            # about a point of the plane before, so that squares stay small
+            p[a] = points_m[i, a] + normal[a] * height_m
+            low[a], high[a] = min(low[a], p[a]), max(high[a], p[a])
+            centre[a] += w * p[a]
+        for a in range(3):
+            for b in range(a + 1):
+                square[a, b] += w * p[a] * p[b]
+    if count < 3:
+        return normal, height_m, count, 0.0
+    centre /= total
+    for a in range(3):
+        for b in range(a + 1):
+            square[a, b] = square[b, a] = square[a, b] / total - centre[a] * centre[b]
+    new = np.ascontiguousarray(np.linalg.eigh(square)[1][:, 0])
+    if new[1] < 0:
+        new = -new
+    at = centre - normal * height_m
+    new_height = -(new[0] * at[0] + new[1] * at[1] + new[2] * at[2])
+    return new, new_height, count, max(high[0] - low[0], high[2] - low[2])
+
+
 def _refine(
     points_m: npt.NDArray[np.float32], normal: npt.NDArray[np.float64], height_m: float, config: FloorConfig
 ) -> FloorPlane | None:
     """Plane through the inliers, or None where they are too few or too small a patch.
 
-    Weighted least squares, repeated with a narrower band: the foot of a wall lies within the first one and tilts it.
+    Fitted again with a narrower band: the foot of a wall lies within the first one and tilts it.
     """
-    noise = np.maximum(1.0, points_m[:, 2] ** 2 * 0.25)
     for share in (1.0, 0.8, 0.8):
-        inside = np.abs(points_m @ normal + height_m) < share * config.inlier_m * noise
-        inliers = points_m[inside].astype(np.float64)
-        if len(inliers) < 0.5 * config.min_inliers or np.ptp(inliers[:, [0, 2]], axis=0).max() < MIN_EXTENT_M:
+        normal, height_m, count, extent_m = fit_plane(points_m, normal, height_m, share * config.inlier_m)
+        if count < 0.5 * config.min_inliers or extent_m < MIN_EXTENT_M:
             return None
-        weights = 1.0 / noise[inside].astype(np.float64) ** 2
-        centre = np.average(inliers, axis=0, weights=weights)
-        normal = np.linalg.eigh(np.cov((inliers - centre).T, aweights=weights))[1][:, 0]
-        normal = normal * np.sign(normal[1])
-        height_m = float(-normal @ centre)
     return FloorPlane(normal, height_m) if normal[1] >= np.cos(np.radians(config.max_tilt_deg)) else None
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -15,13 +16,14 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.cascade import Cascade
-from teleop.body.network_file import cascade_arrays, cascade_of
+from teleop.body.finder import Finder
+from teleop.body.network_file import cascade_arrays, cascade_of, finder_arrays, finder_of
 from teleop.body.parts import N_PARTS
 from teleop.body.person import N_FEATURES
 from teleop.errors import ModelError
 from teleop.joints import BONES, N_JOINTS
 
-FORMAT: Final = "greenhouse-teleop body model 2"
+FORMAT: Final = "greenhouse-teleop body model 3"
 OFFSET_UNIT_M: Final = 1e-4
 """Offsets of the features are stored as int16 in tenths of a millimetre."""
 SPREAD_UNIT_M: Final = 0.002
@@ -54,7 +56,7 @@ class BodyModel:
     vote_mm: (L, K, 3) int16 joint minus pixel, skeleton axes. vote_spread: (L, K) uint8 in 2 mm.
     bandwidth_m, reference: (J,) mean-shift bandwidth; summed weight of a well-seen joint. bones_m: (B,) mean length
     of teleop.joints.BONES. person_weights: see teleop.body.person. max_depth: deepest leaf. meta: provenance.
-    cascade: the networks, None before they are trained. nodes: see pack_nodes.
+    finder, cascade: the networks, None before they are trained. nodes: see pack_nodes.
     """
 
     roots: npt.NDArray[np.int32]
@@ -72,6 +74,7 @@ class BodyModel:
     person_weights: npt.NDArray[np.float64]
     max_depth: int
     meta: dict[str, Any]
+    finder: Finder | None = None
     cascade: Cascade | None = None
     nodes: npt.NDArray[np.int16] = field(init=False)
 
@@ -101,14 +104,41 @@ _ARRAYS: Final = {
 }
 
 
-def save_model(model: BodyModel, path: Path) -> None:
-    """Write the model; the folder must exist."""
+def model_arrays(model: BodyModel) -> dict[str, npt.NDArray[Any]]:
+    """All arrays, by name, and the meta data as a JSON string."""
     header = {"format": FORMAT, "max_depth": model.max_depth, **model.meta}
-    arrays = {name: np.asarray(getattr(model, name), dtype) for name, dtype in _ARRAYS.items()}
+    arrays: dict[str, npt.NDArray[Any]] = {
+        name: np.asarray(getattr(model, name), dtype) for name, dtype in _ARRAYS.items()
+    }
+    if model.finder is not None:
+        arrays |= finder_arrays(model.finder)
     if model.cascade is not None:
         arrays |= cascade_arrays(model.cascade)
+    return arrays | {"meta": np.array(json.dumps(header))}
+
+
+def model_of(data: Mapping[str, npt.NDArray[Any]]) -> BodyModel:
+    """The model of such arrays. Raises ModelError for another format, KeyError or ValueError for what is missing or
+    does not fit together."""
+    header = json.loads(str(data["meta"]))
+    if header.pop("format", None) != FORMAT:
+        raise ModelError(f"another format than '{FORMAT}'")
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(data[name]) for name in _ARRAYS}
+    model = BodyModel(
+        **arrays,
+        max_depth=int(header.pop("max_depth")),
+        meta=header,
+        finder=finder_of(data) if "finder_bias" in data else None,
+        cascade=cascade_of(data) if "trust" in data else None,
+    )
+    _check(model)
+    return model
+
+
+def save_model(model: BodyModel, path: Path) -> None:
+    """Write the model; the folder must exist."""
     with path.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, meta=np.array(json.dumps(header)), **arrays)
+        np.savez_compressed(file, allow_pickle=False, **model_arrays(model))
 
 
 def load_model(path: Path | None = None) -> BodyModel:
@@ -118,20 +148,13 @@ def load_model(path: Path | None = None) -> BodyModel:
         raise ModelError(f"body model '{path}' not found; make one with 'teleop train --output {path}'")
     try:
         with np.load(path, allow_pickle=False) as data:
-            header = json.loads(str(data["meta"]))
-            arrays: dict[str, Any] = {name: np.ascontiguousarray(data[name]) for name in _ARRAYS}
-            cascade = cascade_of(data) if "trust" in data else None
-    except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+            return model_of(data)
+    except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile, ModelError) as error:
         raise ModelError(f"'{path}' is no body model ({error}); make one with 'teleop train'") from error
-    if header.pop("format", None) != FORMAT:
-        raise ModelError(f"'{path}' is a body model of another format than '{FORMAT}'; train it again")
-    model = BodyModel(**arrays, max_depth=int(header.pop("max_depth")), meta=header, cascade=cascade)
-    _check(model, path)
-    return model
 
 
-def _check(model: BodyModel, path: Path) -> None:
-    """Raise ModelError unless every index in the arrays is legal: the kernels check nothing."""
+def _check(model: BodyModel) -> None:
+    """Raise ValueError unless every index in the arrays is legal: the kernels check nothing."""
     nodes, leaves = len(model.children), len(model.leaf_parts)
     at_leaf = model.leaves >= 0
     sound = (
@@ -152,4 +175,4 @@ def _check(model: BodyModel, path: Path) -> None:
         and bool((model.leaves < leaves).all())
     )
     if not sound:
-        raise ModelError(f"'{path}' is damaged: its arrays do not fit together; train it again or fetch it anew")
+        raise ValueError("its arrays do not fit together")

@@ -1,4 +1,4 @@
-"""The cascade as arrays of a model file, and back."""
+"""The networks as arrays of a model file, and back."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.cascade import N_CUES, Cascade
-from teleop.body.chains import LINKS, ChainNet
 from teleop.body.coarse import N_OUTPUTS, CoarseNet
 from teleop.body.crop import LOCAL, WHOLE
-from teleop.body.layers import Convolution
-from teleop.body.refine import KINDS, N_NEAR, Refiner
+from teleop.body.finder import BLOCK, Finder
+from teleop.body.layers import F32, Convolution
+from teleop.body.limbs import GROUP_NAMES, LINKS, LimbNet
 from teleop.joints import N_JOINTS
 
+Arrays = Mapping[str, npt.NDArray[Any]]
 _DENSE = ("first", "first_bias", "second", "second_bias", "last", "last_bias")
 
 
@@ -24,12 +25,33 @@ def _pack(name: str, layers: tuple[Convolution, ...]) -> dict[str, npt.NDArray[A
         f"{name}_shape": np.array([(c.size, c.stride, int(c.residual)) for c in layers], np.int32)
     }
     for n, layer in enumerate(layers):
-        out[f"{name}_kernel_{n}"], out[f"{name}_bias_{n}"] = layer.kernel, layer.bias
+        out[f"{name}_kernel_{n}"], out[f"{name}_bias_{n}"] = _half(layer.kernel), layer.bias
     return out
 
 
-def _dense(name: str, net: Refiner | ChainNet) -> dict[str, npt.NDArray[Any]]:
-    return {f"{name}_{part}": getattr(net, part) for part in _DENSE}
+def _half(values: F32) -> npt.NDArray[np.float16]:
+    """Weights are kept in half precision: half the size, and 0.01 mm at a joint."""
+    return values.astype(np.float16)
+
+
+def _array(data: Arrays, name: str, *shape: int) -> F32:
+    values = np.ascontiguousarray(data[name], np.float32)
+    if values.shape != shape or not np.isfinite(values).all():
+        raise ValueError(f"array '{name}' has shape {values.shape} instead of {shape}, or holds infinite numbers")
+    return values
+
+
+def _layers(name: str, data: Arrays, inputs: int) -> tuple[tuple[Convolution, ...], int]:
+    """The convolutions and the channels that come out. Raises ValueError when they do not fit together."""
+    out = []
+    for n, (size, stride, residual) in enumerate(data[f"{name}_shape"].tolist()):
+        outputs = len(data[f"{name}_bias_{n}"])
+        if size < 1 or stride < 1 or (residual and not (outputs == inputs and stride == 1)):
+            raise ValueError(f"layer {n} of the {name} network does not fit the one before")
+        kernel = _array(data, f"{name}_kernel_{n}", size * size * inputs, outputs)
+        out.append(Convolution(kernel, _array(data, f"{name}_bias_{n}", outputs), size, stride, bool(residual)))
+        inputs = outputs
+    return tuple(out), inputs
 
 
 def _features(layers: tuple[Convolution, ...], channels: int) -> int:
@@ -40,76 +62,103 @@ def _features(layers: tuple[Convolution, ...], channels: int) -> int:
     return rows * columns * channels
 
 
-def _layers(name: str, data: Mapping[str, npt.NDArray[Any]], inputs: int) -> tuple[tuple[Convolution, ...], int]:
-    """The convolutions and the channels that come out. Raises ValueError when they do not fit together."""
-    out = []
-    for n, (size, stride, residual) in enumerate(data[f"{name}_shape"].tolist()):
-        kernel = np.ascontiguousarray(data[f"{name}_kernel_{n}"], np.float32)
-        bias = np.ascontiguousarray(data[f"{name}_bias_{n}"], np.float32)
-        same = kernel.shape[1] == inputs and stride == 1
-        if size < 1 or stride < 1 or kernel.shape != (size * size * inputs, len(bias)) or (residual and not same):
-            raise ValueError(f"layer {n} of the {name} network does not fit the one before")
-        out.append(Convolution(kernel, bias, size, stride, bool(residual)))
-        inputs = len(bias)
-    return tuple(out), inputs
+def finder_arrays(finder: Finder) -> dict[str, npt.NDArray[Any]]:
+    """All arrays, by name."""
+    return {
+        **_pack("finder_coming", finder.coming),
+        **_pack("finder_deep", finder.deep),
+        **_pack("finder_last", (finder.last,)),
+        "finder_up": _half(finder.up),
+        "finder_side": _half(finder.side),
+        "finder_bias": finder.bias,
+        "finder_head": _half(finder.head),
+        "finder_head_bias": finder.head_bias,
+    }
+
+
+def finder_of(data: Arrays) -> Finder:
+    """The finder of such arrays. Raises KeyError when one is missing, ValueError when they do not fit together."""
+    coming, middle = _layers("finder_coming", data, 2)
+    deep, low = _layers("finder_deep", data, middle)
+    joined = len(data["finder_bias"])
+    last, _ = _layers("finder_last", data, joined)
+    if len(last) != 1 or not last[0].residual:
+        raise ValueError("the finder's last layer does not fit the one before")
+    cells = BLOCK * BLOCK
+    return Finder(
+        coming=coming,
+        deep=deep,
+        up=_array(data, "finder_up", low, joined),
+        side=_array(data, "finder_side", middle, joined),
+        bias=_array(data, "finder_bias", joined),
+        last=last[0],
+        head=_array(data, "finder_head", joined, cells),
+        head_bias=_array(data, "finder_head_bias", cells),
+    )
+
+
+def coarse_arrays(coarse: CoarseNet) -> dict[str, npt.NDArray[Any]]:
+    """All arrays, by name."""
+    return {
+        **_pack("coarse", coarse.convolutions),
+        "coarse_head": _half(coarse.head),
+        "coarse_head_bias": coarse.head_bias,
+    }
+
+
+def coarse_of(data: Arrays) -> CoarseNet:
+    """The coarse network of such arrays. Raises KeyError, ValueError as finder_of."""
+    convolutions, channels = _layers("coarse", data, 2)
+    outputs = N_JOINTS * N_OUTPUTS
+    head = _array(data, "coarse_head", channels, outputs)
+    return CoarseNet(convolutions, head, _array(data, "coarse_head_bias", outputs))
+
+
+def limb_arrays(name: str, net: LimbNet) -> dict[str, npt.NDArray[Any]]:
+    """All arrays, their names beginning with ``name``."""
+    out = _pack(name, net.convolutions)
+    for part in _DENSE:
+        values = getattr(net, part)
+        out[f"{name}_{part}"] = values if part.endswith("bias") else _half(values)
+    return out
+
+
+def limb_of(name: str, data: Arrays) -> LimbNet:
+    """The limb network of such arrays. Raises KeyError, ValueError as finder_of."""
+    convolutions, channels = _layers(name, data, 2)
+    h1, h2 = len(data[f"{name}_first_bias"]), len(data[f"{name}_second_bias"])
+    return LimbNet(
+        convolutions,
+        _array(data, f"{name}_first", LINKS * _features(convolutions, channels) + 3 * N_JOINTS, h1),
+        _array(data, f"{name}_first_bias", h1),
+        _array(data, f"{name}_second", h1, h2),
+        _array(data, f"{name}_second_bias", h2),
+        _array(data, f"{name}_last", h2, 4 * LINKS),
+        _array(data, f"{name}_last_bias", 4 * LINKS),
+    )
+
+
+def _round_names(number: int) -> tuple[str, str, str]:
+    arms, legs, trunk = (f"{group}_{number}" for group in GROUP_NAMES)
+    return arms, legs, trunk
 
 
 def cascade_arrays(cascade: Cascade) -> dict[str, npt.NDArray[Any]]:
     """All arrays, by name."""
-    coarse, refiner = cascade.coarse, cascade.refiner
-    return {
-        **_pack("coarse", coarse.convolutions),
-        "coarse_head": coarse.head,
-        "coarse_head_bias": coarse.head_bias,
-        **_pack("refiner", refiner.convolutions),
-        **_dense("refiner", refiner),
-        **_pack("arms", cascade.limbs[0].convolutions),
-        **_dense("arms", cascade.limbs[0]),
-        **_pack("legs", cascade.limbs[1].convolutions),
-        **_dense("legs", cascade.limbs[1]),
-        "trust": cascade.trust,
-    }
+    out = coarse_arrays(cascade.coarse) | {"rounds": np.array(len(cascade.rounds)), "trust": cascade.trust}
+    for number, nets in enumerate(cascade.rounds):
+        for name, net in zip(_round_names(number), nets, strict=True):
+            out |= limb_arrays(name, net)
+    return out
 
 
-def cascade_of(data: Mapping[str, npt.NDArray[Any]]) -> Cascade:
-    """The cascade of such arrays. Raises KeyError when one is missing, ValueError when they do not fit together."""
-
-    def array(name: str, *shape: int) -> npt.NDArray[np.float32]:
-        values = np.ascontiguousarray(data[name], np.float32)
-        if values.shape != shape or not np.isfinite(values).all():
-            raise ValueError(f"array '{name}' has shape {values.shape} instead of {shape}, or holds infinite numbers")
-        return values
-
-    convolutions, channels = _layers("coarse", data, 2)
-    outputs = N_JOINTS * N_OUTPUTS
-    coarse = CoarseNet(convolutions, array("coarse_head", channels, outputs), array("coarse_head_bias", outputs))
-    convolutions, channels = _layers("refiner", data, 2)
-    h1, h2, kinds = data["refiner_first_bias"].shape[-1], len(data["refiner_second_bias"]), len(KINDS)
-    refiner = Refiner(
-        convolutions,
-        array("refiner_first", _features(convolutions, channels) + 3 * N_NEAR, h1),
-        array("refiner_first_bias", kinds, h1),
-        array("refiner_second", h1, h2),
-        array("refiner_second_bias", h2),
-        array("refiner_last", kinds, h2, 4),
-        array("refiner_last_bias", kinds, 4),
-    )
-
-    def limb(name: str) -> ChainNet:
-        convolutions, channels = _layers(name, data, 2)
-        h1, h2 = len(data[f"{name}_first_bias"]), len(data[f"{name}_second_bias"])
-        return ChainNet(
-            convolutions,
-            array(f"{name}_first", LINKS * _features(convolutions, channels) + 3 * N_JOINTS, h1),
-            array(f"{name}_first_bias", h1),
-            array(f"{name}_second", h1, h2),
-            array(f"{name}_second_bias", h2),
-            array(f"{name}_last", h2, 4 * LINKS),
-            array(f"{name}_last_bias", 4 * LINKS),
-        )
-
-    trust = array("trust", N_CUES + 1).astype(np.float64)
-    return Cascade(coarse, refiner, (limb("arms"), limb("legs")), trust)
+def cascade_of(data: Arrays) -> Cascade:
+    """The cascade of such arrays. Raises KeyError, ValueError as finder_of."""
+    rounds = []
+    for number in range(int(data["rounds"])):
+        arms, legs, trunk = (limb_of(name, data) for name in _round_names(number))
+        rounds.append((arms, legs, trunk))
+    return Cascade(coarse_of(data), tuple(rounds), _array(data, "trust", N_CUES + 1).astype(np.float64))
 
 
 def crop_note() -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 TRUNK: Final = tuple(JOINT_INDEX[n] for n in ("head", "shoulder_center", "shoulder_right", "shoulder_left", "spine"))
 """What must be seen for a surface to be an operator."""
-N_FEATURES: Final = 14
+N_FEATURES: Final = 15
 _ENDS: Final = np.array(BONES)
 
 
@@ -26,14 +26,16 @@ def person_features(
     joints_m: npt.NDArray[np.float64],
     confidence: npt.NDArray[np.float64],
     placed: Placed | None,
+    cells: float,
     bones_m: npt.NDArray[np.float64],
     focal_px: float,
 ) -> npt.NDArray[np.float64]:
     """Cues (N_FEATURES,): confidence of the trunk and of all joints, errors of bone lengths, sharpness of the parts,
     vote mass of the trunk, thickness of the surface (a box or a wall is flat), area, height, head above the spine; then
-    from the networks their spreads, how far they moved joints and are from the forest's, errors of bone lengths.
+    from the networks how person-like its cells are, their spreads, how far they moved joints and are from the
+    forest's, errors of bone lengths.
 
-    joints_m, confidence: the forest's. placed: the networks', None without.
+    joints_m, confidence: the forest's. placed: the networks', None without. cells: see Candidate.person.
     """
     trunk = list(TRUNK)
     bone_error = _bone_error(joints_m, bones_m)
@@ -52,6 +54,7 @@ def person_features(
             np.log(max(area_m2, 1e-3)),
             high - low,
             float(np.clip(np.nan_to_num(rise_m, nan=0.0), -1.0, 1.0)),
+            cells,
             *_network_features(placed, bones_m),
         ]
     )

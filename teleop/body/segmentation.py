@@ -1,14 +1,17 @@
-"""The operator's pixels: floor away, surfaces apart, then the one whose size is a person's and who was there before."""
+"""The operator's pixels: floor and things away, surfaces apart, then the one of a person's size seen there before."""
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from teleop.body.components import Surfaces, adjacency, grow_mask, label_surfaces, measure_surfaces
+from teleop.body.finder import Finder, person_cells
 from teleop.body.floor import find_floor
+from teleop.body.grid import Grid, cloud, decimate, standing
 from teleop.config.body import FloorConfig, SegmentationConfig
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane
@@ -19,58 +22,52 @@ class Candidate:
     """A surface that may be the operator.
 
     mask: (H, W) bool. box: (u0, v0, u1, v1), ends excluded. area_px: pixels in the mask. centre_m: (3,) camera axes.
+    person: mean probability that its cells show a person, 1 without a finder.
     """
 
     mask: npt.NDArray[np.bool_]
     box: tuple[int, int, int, int]
     area_px: int
     centre_m: npt.NDArray[np.float64]
+    person: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """The decimated frame: grid step, depth in mm and m, points (h, w, 3) camera axes, labels of surfaces, floor."""
+    """The decimated frame, probability of each cell (h, w) to show a person (None without a finder), labels (h, w) of
+    surfaces, their figures, floor."""
 
-    step: int
-    grid_mm: npt.NDArray[np.uint16]
-    depth_m: npt.NDArray[np.float32]
-    points_m: npt.NDArray[np.float32]
+    grid: Grid
+    person: npt.NDArray[np.float32] | None
     labels: npt.NDArray[np.int32]
     surfaces: Surfaces
     floor: FloorPlane | None
 
 
-def grid_points(depth_m: npt.NDArray[np.float32], step: int, camera: Camera) -> npt.NDArray[np.float32]:
-    """Points (h, w, 3) of a grid that holds every step-th pixel."""
-    k = camera.depth
-    u = np.arange(depth_m.shape[1], dtype=np.float32) * step
-    v = np.arange(depth_m.shape[0], dtype=np.float32) * step
-    x = np.float32(camera.x_sign / k.fx) * (u - np.float32(k.cx)) * depth_m
-    y = np.float32(-1.0 / k.fy) * (v - np.float32(k.cy))[:, None] * depth_m
-    return np.stack([x, y, depth_m], axis=2)
-
-
 def look(
-    frame: DepthFrame, previous_floor: FloorPlane | None, floor_config: FloorConfig, config: SegmentationConfig
+    frame: DepthFrame,
+    previous_floor: FloorPlane | None,
+    finder: Finder | None,
+    floor_config: FloorConfig,
+    config: SegmentationConfig,
+    beside: Executor | None = None,
 ) -> Scene:
-    """Decimate the frame, find the floor and part what stands on it into surfaces."""
-    step = max(1, round(frame.camera.depth.width / config.grid_columns))
-    grid_mm = np.ascontiguousarray(frame.depth_mm[::step, ::step])
-    depth_m = grid_mm * np.float32(1e-3)
-    points = grid_points(depth_m, step, frame.camera)
-    usable = (depth_m > config.min_depth_m) & (depth_m < config.max_depth_m)
-    floor = find_floor(points[usable], previous_floor, floor_config)
-    levelled = points
-    if floor is not None:
-        R = floor.R_level_camera().astype(np.float32)
-        levelled = points @ R.T
-        levelled[..., 1] += np.float32(floor.camera_height_m)
-        clearance = config.floor_clearance_m * np.maximum(1.0, 0.25 * depth_m * depth_m)
-        usable &= levelled[..., 1] > clearance
-    labels, count = label_surfaces(depth_m, usable, config.jump_m)
-    cell_per_focal = step / frame.camera.depth.fx
-    surfaces = measure_surfaces(labels, levelled, depth_m, count, cell_per_focal)
-    return Scene(step, grid_mm, depth_m, points, labels, surfaces, floor)
+    """Decimate the frame, find the floor and people's cells, and part what is left into surfaces.
+
+    beside: where the finder runs, while the floor is found here.
+    """
+    grid, near_m, far_m = decimate(frame, config.grid_columns), config.min_depth_m, config.max_depth_m
+    person, seeking = None, None
+    if finder is not None and beside is not None:
+        seeking = beside.submit(person_cells, finder, grid.depth_mm)
+    floor = find_floor(cloud(grid, near_m, far_m), previous_floor, floor_config)
+    if finder is not None:
+        person = person_cells(finder, grid.depth_mm) if seeking is None else seeking.result()
+    usable, levelled = standing(grid, near_m, far_m, floor, config.floor_clearance_m, person, config.min_person)
+    labels, count = label_surfaces(grid.depth_mm, usable, config.jump_m)
+    cell_per_focal = grid.step / frame.camera.depth.fx
+    surfaces = measure_surfaces(labels, levelled, grid.depth_mm, person, count, cell_per_focal)
+    return Scene(grid, person, labels, surfaces, floor)
 
 
 def plausible(surfaces: Surfaces, config: SegmentationConfig) -> npt.NDArray[np.bool_]:
@@ -127,22 +124,23 @@ def limbs_of(scene: Scene, main: int, config: SegmentationConfig) -> npt.NDArray
 
 def candidate(frame: DepthFrame, scene: Scene, label: int, config: SegmentationConfig) -> Candidate | None:
     """The full-resolution mask of one surface with its limbs; None when nothing of it is left."""
-    members = limbs_of(scene, label, config)
-    cells = (scene.labels >= 0) & members[scene.labels]
-    mask = grow_mask(
+    members, s, floor = limbs_of(scene, label, config), scene.surfaces, scene.floor
+    mask, area_px, box = grow_mask(
         frame.depth_mm,
-        cells,
-        scene.grid_mm,
-        scene.step,
+        scene.labels,
+        members,
+        scene.grid.depth_mm,
+        scene.grid.step,
         config.jump_m,
-        _floor_row(scene.floor, frame.camera, config.floor_clearance_m),
+        _floor_row(floor, frame.camera, config.floor_clearance_m),
     )
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if len(rows) == 0:
+    if area_px == 0:
         return None
-    box = (int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1)
-    centre = scene.points_m[cells].mean(axis=0, dtype=np.float64)
-    return Candidate(mask, box, int(np.count_nonzero(mask)), centre)
+    share = np.where(members, s.cells, 0) / s.cells[members].sum()
+    centre = share @ s.centre_m
+    if floor is not None:
+        centre = floor.R_level_camera().T @ (centre - np.array([0.0, floor.camera_height_m, 0.0]))
+    return Candidate(mask, box, area_px, centre, float(share @ s.person))
 
 
 def grid_mask(candidate_: Candidate, step: int) -> npt.NDArray[np.bool_]:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from teleop.body.assemble import assemble
 from teleop.body.cascade import see, settle, trust
-from teleop.body.features import pad_image, working_step
+from teleop.body.features import operator_pixels, pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
 from teleop.body.layers import one_thread_products
@@ -71,7 +71,7 @@ class BodyTracker:
         """Track one frame. Equal frames and states give equal results, bit for bit."""
         state, dt_s = self._continue(frame, state)
         reset = dt_s is None
-        scene = look(frame, state.floor, self.config.floor, self.config.segmentation)
+        scene = self._look(frame, state.floor)
         state = replace(state, t_ns=frame.t_ns, camera=frame.camera, floor=scene.floor)
         picked = self._pick(frame, scene, state)
         if picked is None:
@@ -83,7 +83,7 @@ class BodyTracker:
         skeleton, filter_state = self._smooth(frame.t_ns, single, dt_s, state.filter)
         cut = fresh and state.centre_m is not None and self.config.filter.enabled
         track = Track(frame.t_ns, skeleton, single.parts, scene.floor, found.mask, found.box, reset or cut)
-        cells = grid_mask(found, scene.step)
+        cells = grid_mask(found, scene.grid.step)
         return track, replace(state, cells=cells, centre_m=found.centre_m, filter=filter_state)
 
     def _pick(self, frame: DepthFrame, scene: Scene, state: TrackerState) -> tuple[Candidate, Single, bool] | None:
@@ -95,7 +95,7 @@ class BodyTracker:
         before = state.centre_m if self.config.filter.enabled else None
         for label in rank(scene, state.cells if before is not None else None, self.config.segmentation):
             found = candidate(frame, scene, label, self.config.segmentation)
-            if found is None:
+            if found is None or found.person < self.config.person.min_cells:
                 continue
             moved_m = np.inf if before is None else float(np.linalg.norm(found.centre_m - before))
             near = moved_m <= self.config.scene_cut_m
@@ -113,17 +113,21 @@ class BodyTracker:
         image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
         stride = stride_for(found.area_px // step**2, self.config.forest.max_pixels)
         # the networks run on the second core while the forest runs on this one
-        seeing = self._second.submit(see, model.cascade, image, self.config.cascade) if model.cascade else None
+        cascade, rounds = model.cascade, self.config.cascade.rounds
+        whole = operator_pixels(frame.depth_mm, found.mask, found.box, camera)
+        seeing = self._second.submit(see, cascade, whole, rounds) if cascade is not None else None
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
         joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
         placed = None
-        if model.cascade is not None and seeing is not None:
-            placed = settle(model.cascade, seeing.result(), joints, self.config.cascade)
-        cues = person_features(parts, proposals, joints, confidence, placed, model.bones_m, camera.depth.fx)
+        if cascade is not None and seeing is not None:
+            placed = settle(cascade, whole, seeing.result(), joints, rounds, self._second)
+        cues = person_features(
+            parts, proposals, joints, confidence, placed, found.person, model.bones_m, camera.depth.fx
+        )
         person = person_probability(cues, model.person_weights)
-        if model.cascade is not None and placed is not None and self.config.cascade.enabled:
-            confidence = trust(placed.cues, model.cascade.trust)
+        if cascade is not None and placed is not None and self.config.cascade.enabled:
+            confidence = trust(placed.cues, cascade.trust)
             sure = confidence >= self.config.cascade.min_confidence
             joints = np.where(sure[:, None], placed.joints_m, np.nan)
         return Single(joints, confidence, parts, cues, person)
@@ -138,11 +142,16 @@ class BodyTracker:
         for t_ns in (0, 33_000_000):
             frame = DepthFrame(t_ns, depth, camera)
             _, state = self.step(frame, state)
-            scene = look(frame, None, self.config.floor, self.config.segmentation)
+            scene = self._look(frame, None)
             for label in rank(scene, None, self.config.segmentation):
                 found = candidate(frame, scene, label, self.config.segmentation)
                 if found is not None:
                     self.estimate(frame, found, np.zeros((20, 3)))
+
+    def _look(self, frame: DepthFrame, floor: FloorPlane | None) -> Scene:
+        """The frame's surfaces, the finder beside the floor."""
+        finder = self.model.finder if self.config.cascade.finder else None
+        return look(frame, floor, finder, self.config.floor, self.config.segmentation, self._second)
 
     def _continue(self, frame: DepthFrame, state: TrackerState) -> tuple[TrackerState, float | None]:
         """The state to go on from and the seconds since; None at a new beginning (gap, time back, other camera)."""

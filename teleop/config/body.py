@@ -29,6 +29,9 @@ class SegmentationConfig(Section):
     min_depth_m: float = Field(0.5, ge=0.1, le=5, description="nearest depth used [m]; a Kinect reads from 0.5 m")
     max_depth_m: float = Field(5.0, ge=1, le=12, description="farthest depth used [m]")
     grid_columns: int = Field(160, ge=40, le=640, description="columns of the decimated grid that is labelled")
+    min_person: float = Field(
+        0.15, ge=0, le=1, description="cells less likely to show a person are no part of the operator [1]; measured"
+    )
     jump_m: float = Field(
         0.07, gt=0, le=0.5, description="depth step that parts two surfaces [m] at 2 m; grows with z^2 (quantisation)"
     )
@@ -92,17 +95,11 @@ class SkeletonConfig(Section):
 
 
 class CascadeConfig(Section):
-    """Networks that place the joints from the operator's depth image and the forest's proposals."""
+    """Networks that find people's cells and place the joints from the operator's depth image."""
 
+    finder: bool = Field(True, description="false parts people from things by depth steps alone")
     enabled: bool = Field(True, description="false takes the forest's joints as they are")
-    second_look: bool = Field(True, description="refine elbows, wrists, hands, knees, ankles and feet twice")
-    limbs: bool = Field(True, description="place arms and legs anew as wholes, after their joints one by one")
-    opinion_m: float = Field(
-        0.1, gt=0, le=5, description="a joint of the forest farther away than this is looked at as well [m]; measured"
-    )
-    opinion_ratio: float = Field(
-        0.7, ge=0, le=1, description="the forest's joint is taken when its spread is below this share; measured"
-    )
+    rounds: int = Field(2, ge=0, le=4, description="looks at arms, legs and trunk after the coarse network, at most")
     min_confidence: float = Field(
         0.3, ge=0, le=1, description="a joint less likely than this to be within 10 cm is unknown [1]"
     )
@@ -111,6 +108,9 @@ class CascadeConfig(Section):
 class PersonConfig(Section):
     """Deciding whether a surface is a person."""
 
+    min_cells: float = Field(
+        0.3, ge=0, le=1, description="a surface whose cells are less likely to show a person on average is none [1]"
+    )
     acquire: float = Field(0.25, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
     keep: float = Field(0.0005, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
 

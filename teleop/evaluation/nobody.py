@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from teleop.evaluation.cases import Case
-from teleop.evaluation.objects import KINDS, furnished
+from teleop.evaluation.objects import KINDS
 from teleop.frames import Camera, DepthFrame, kinect_v1
 from teleop.joints import N_JOINTS
 from teleop.people.render import draw, empty_raster
-from teleop.people.room import Room, draw_planes, random_room
+from teleop.people.room import Room, draw_planes, furnished, random_room
 from teleop.people.sensor import sense
 from teleop.people.view import View, sensor_view
 

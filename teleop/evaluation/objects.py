@@ -3,55 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from teleop.people.body import Floats32, Ints32
-from teleop.people.rig import Floats
-from teleop.people.room import Room
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Mesh:
-    """vertices_m (V, 3), faces (F, 3)."""
-
-    vertices_m: Floats
-    faces: Ints32
-
-
-def joined(meshes: list[Mesh]) -> Mesh:
-    """Many meshes as one."""
-    starts = np.cumsum([0] + [len(m.vertices_m) for m in meshes])
-    faces = [m.faces + start for m, start in zip(meshes, starts[:-1], strict=True)]
-    return Mesh(np.concatenate([m.vertices_m for m in meshes]), np.concatenate(faces).astype(np.int32))
-
-
-def tube(centres: Floats, radii: Floats, around: int = 20) -> Mesh:
-    """A closed tube through horizontal ellipses: centres (R, 3), radii (R, 2) across x and z."""
-    angle = np.linspace(0, 2 * np.pi, around, endpoint=False)
-    ring = np.stack([np.cos(angle), np.zeros(around), np.sin(angle)], axis=1)
-    points = centres[:, None, :] + ring * np.stack([radii[:, 0], 0 * radii[:, 0], radii[:, 1]], axis=1)[:, None, :]
-    rows = len(centres)
-    i, k = np.meshgrid(np.arange(rows - 1), np.arange(around), indexing="ij")
-    a, b = i * around + k, i * around + (k + 1) % around
-    sides = np.stack([a, b, b + around, a, b + around, a + around], axis=-1).reshape(-1, 3)
-    ends = [np.stack([np.full(around - 2, s), s + np.arange(1, around - 1), s + np.arange(2, around)], axis=-1)
-            for s in (0, (rows - 1) * around)]  # fmt: skip
-    return Mesh(points.reshape(-1, 3), np.concatenate([sides, *ends]).astype(np.int32))
-
-
-def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Mesh:
-    """An upright box."""
-    corners = np.array([[(low, high)[(i >> a) & 1][a] for a in range(3)] for i in range(8)])
-    quads = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
-    return Mesh(corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))], np.int32))
-
-
-def _upright_tube(rows: tuple[tuple[float, float, float], ...]) -> Mesh:
-    r = np.array(rows)
-    return tube(np.stack([0 * r[:, 0], r[:, 0], 0 * r[:, 0]], axis=1), r[:, 1:])
+from teleop.people.meshes import Mesh, box, joined, tube, upright_tube
 
 
 def chair(rng: np.random.Generator) -> Mesh:
@@ -89,8 +45,8 @@ def plant(rng: np.random.Generator) -> Mesh:
     leaf = np.stack([at, at + d / 2 + across, at + d, at + d / 2 - across], axis=1).reshape(-1, 3)
     base = 4 * np.arange(count)[:, None]
     faces = np.concatenate([base + np.array([0, 1, 2]), base + np.array([0, 2, 3])]).astype(np.int32)
-    pot = _upright_tube(((0.0, 0.1, 0.1), (0.3, 0.16, 0.16)))
-    stem = _upright_tube(((0.3, 0.015, 0.015), (height, 0.01, 0.01)))
+    pot = upright_tube(((0.0, 0.1, 0.1), (0.3, 0.16, 0.16)))
+    stem = upright_tube(((0.3, 0.015, 0.015), (height, 0.01, 0.01)))
     return joined([Mesh(leaf, faces), pot, stem])
 
 
@@ -99,7 +55,7 @@ def coat_stand(rng: np.random.Generator) -> Mesh:
     shoulder, hem = float(rng.uniform(1.3, 1.65)), float(rng.uniform(0.4, 0.9))
     wide, deep = float(rng.uniform(0.19, 0.25)), float(rng.uniform(0.07, 0.13))
     flare = float(rng.uniform(0.8, 1.2))
-    coat = _upright_tube(
+    coat = upright_tube(
         (
             (hem, wide * flare, deep * 1.2),
             ((hem + shoulder) / 2, wide * 0.9, deep),
@@ -111,8 +67,8 @@ def coat_stand(rng: np.random.Generator) -> Mesh:
     top = shoulder + float(rng.uniform(0.12, 0.3))
     parts = [
         coat,
-        _upright_tube(((0.0, 0.2, 0.2), (0.03, 0.2, 0.2))),
-        _upright_tube(((0.0, 0.02, 0.02), (top, 0.02, 0.02))),
+        upright_tube(((0.0, 0.2, 0.2), (0.03, 0.2, 0.2))),
+        upright_tube(((0.0, 0.02, 0.02), (top, 0.02, 0.02))),
     ]
     for sign in (-1.0, 1.0):
         x = sign * (wide + 0.02)
@@ -121,7 +77,7 @@ def coat_stand(rng: np.random.Generator) -> Mesh:
         parts.append(tube(centres, np.full((5, 2), 0.06)))
     if rng.uniform() < 0.5:
         parts.append(
-            _upright_tube(
+            upright_tube(
                 ((top - 0.02, 0.15, 0.15), (top, 0.15, 0.15), (top + 0.01, 0.09, 0.09), (top + 0.1, 0.08, 0.08))
             )
         )
@@ -155,17 +111,3 @@ KINDS: Final[dict[str, Callable[[np.random.Generator], Mesh]]] = {
     "cupboard": cupboard,
     "ladder": ladder,
 }
-
-
-def furnished(room: Room, mesh: Mesh, x_m: float, z_m: float, turn_rad: float) -> Room:
-    """The room with one more thing at (x, z), turned about the vertical."""
-    c, s = np.cos(turn_rad), np.sin(turn_rad)
-    R = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    points: Floats32 = (mesh.vertices_m @ R.T + np.array([x_m, 0.0, z_m])).astype(np.float32)
-    count = len(room.vertices_m)
-    return replace(
-        room,
-        vertices_m=np.concatenate([room.vertices_m, points]),
-        faces=np.concatenate([room.faces, mesh.faces + count]).astype(np.int32),
-        face_rgb=np.concatenate([room.face_rgb, np.full((len(mesh.faces), 3), 130.0)]),
-    )

@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 
 from teleop.evaluation.cases import Case, Person, dressed, placed, shot, unseen_person, with_dropout
-from teleop.evaluation.objects import KINDS, furnished
+from teleop.evaluation.objects import KINDS
 from teleop.evaluation.poses import PROTOCOL, Kind, pose_of
 from teleop.frames import Camera, kinect_v1
 from teleop.people.pose import Pose, yaw
-from teleop.people.room import random_room
+from teleop.people.room import furnished, random_room
 from teleop.people.shape import Shape
 from teleop.people.view import sensor_view
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numba
 import numpy as np
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from teleop.frames import Camera
 from teleop.people.body import Floats32, Ints32
+from teleop.people.meshes import Mesh
 from teleop.people.render import Raster, camera_vector
 from teleop.people.rig import Floats
 from teleop.people.view import View
@@ -127,6 +128,20 @@ def random_room(rng: np.random.Generator, keep_clear_m: Floats) -> Room:
             w, h = float(rng.uniform(0.1, 0.35)), float(rng.uniform(0.3, 2.0))
             pieces.box((x - w, 0.0, z - w), (x + w, h, z + w), float(rng.uniform(0, 1.5)), paint())
     return _room(walls, pieces)
+
+
+def furnished(room: Room, mesh: Mesh, x_m: float, z_m: float, turn_rad: float) -> Room:
+    """The room with one more thing at (x, z), turned about the vertical."""
+    c, s = np.cos(turn_rad), np.sin(turn_rad)
+    R = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    points: Floats32 = (mesh.vertices_m @ R.T + np.array([x_m, 0.0, z_m])).astype(np.float32)
+    count = len(room.vertices_m)
+    return replace(
+        room,
+        vertices_m=np.concatenate([room.vertices_m, points]),
+        faces=np.concatenate([room.faces, mesh.faces + count]).astype(np.int32),
+        face_rgb=np.concatenate([room.face_rgb, np.full((len(mesh.faces), 3), 130.0)]),
+    )
 
 
 def greenhouse_room(seed: int = 0) -> Room:

@@ -25,7 +25,7 @@ from teleop.people.pose import Pose, pose_rig, yaw
 from teleop.people.rig import Floats, arms_in_trunk
 from teleop.people.room import random_room
 from teleop.people.scene import Figure, shoot, stand
-from teleop.people.sensor import sense
+from teleop.people.sensor import SensorModel, sense
 from teleop.people.shade import random_light
 from teleop.people.shape import random_shape
 from teleop.people.view import View, sensor_view, visible_joints
@@ -33,13 +33,16 @@ from teleop.people.view import View, sensor_view, visible_joints
 Split = Literal["train", "validation", "test"]
 _TRIES: Final = 4
 """Poses drawn at most, to find one whose arms do not run through the trunk."""
-PEOPLE: Final = {"train": 400, "validation": 60, "test": 80}
+PEOPLE: Final = {"train": 1000, "validation": 60, "test": 80}
 SEED: Final = {"train": 11, "validation": 22, "test": 33}
 
 
 @dataclass(frozen=True, slots=True)
 class SampleSpec:
-    """What to draw: split and image size; with a room round the person (slower) or without; mirrored; with colour."""
+    """What to draw: split and image size; with a room round the person (slower) or without; mirrored; with colour.
+
+    any_sensor: tilts up to 16 degrees are as likely as level ones, and noise is that of many sensors.
+    """
 
     split: Split = "train"
     width: int = 640
@@ -47,6 +50,7 @@ class SampleSpec:
     room: bool = False
     mirrored: bool = False
     color: bool = False
+    any_sensor: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +68,7 @@ class RenderedFrame:
     curl: tuple[float, float]
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=1024)
 def person(split: str, number: int) -> Body:
     """Person ``number`` of a split (MakeHuman)."""
     return makehuman_body(random_shape(np.random.default_rng([SEED[split], number])))
@@ -83,7 +87,7 @@ def sample_pose(rng: np.random.Generator, split: str) -> Pose:
     return pose
 
 
-def _figure(rng: np.random.Generator, split: str, x_m: float, z_m: float) -> Figure:
+def random_figure(rng: np.random.Generator, split: str, x_m: float, z_m: float) -> Figure:
     """Somebody of the split, dressed, posed, standing at (x, z) and turned by up to 45 degrees."""
     body = person(split, int(rng.integers(PEOPLE[split])))
     worn = dress(body, random_wardrobe(rng), int(rng.integers(2**31)))
@@ -96,6 +100,28 @@ def _figure(rng: np.random.Generator, split: str, x_m: float, z_m: float) -> Fig
     return Figure(body, worn, pose, stand(posed, skin(body, posed, worn.vertices_m), x_m, z_m, turn))
 
 
+def random_view(rng: np.random.Generator, z_m: float, any_tilt: bool) -> View:
+    """A sensor 0.6 to 2 m high that looks at somebody z away; any_tilt: every other one just anywhere within 16 deg."""
+    height = float(rng.uniform(0.6, 1.4) if rng.uniform() < 0.85 else rng.uniform(1.4, 2.0))
+    tilt = float(np.clip(np.arctan((0.95 - height) / z_m) + rng.normal(0, 0.08), -0.27, 0.27))
+    if any_tilt and rng.uniform() < 0.4:
+        tilt = float(rng.uniform(-0.28, 0.28))
+    return sensor_view(height, tilt, float(rng.normal(0, 0.02)))
+
+
+def random_sensor(rng: np.random.Generator) -> SensorModel:
+    """Mostly a Kinect v1, else one with other noise, a shorter base or none (time of flight), finer steps."""
+    if rng.uniform() < 0.5:
+        return SensorModel()
+    return SensorModel(
+        lateral_px=float(rng.uniform(0.2, 1.1)),
+        axial=float(rng.uniform(0.2, 1.4)),
+        base_m=float(rng.choice([0.0, rng.uniform(0.02, 0.08)])),
+        grazing_rad=float(rng.uniform(1.2, 1.5)),
+        quantised=bool(rng.uniform() < 0.4),
+    )
+
+
 def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
     """A random person in a random pose before a random sensor. Deterministic in seed and spec.
 
@@ -104,24 +130,22 @@ def sample_frame(seed: int, spec: SampleSpec) -> RenderedFrame:
     rng = np.random.default_rng([SEED[spec.split], 7, seed])
     z = float(rng.uniform(1.2, 4.0))
     x = float(rng.uniform(-1, 1)) * min(0.9, 0.33 * z)
-    people = [_figure(rng, spec.split, x, z)]
-    height = float(rng.uniform(0.6, 1.4) if rng.uniform() < 0.85 else rng.uniform(1.4, 2.0))
-    tilt = float(np.clip(np.arctan((0.95 - height) / z) + rng.normal(0, 0.08), -0.27, 0.27))
-    view = sensor_view(height, tilt, float(rng.normal(0, 0.02)))
+    people = [random_figure(rng, spec.split, x, z)]
+    view = random_view(rng, z, spec.any_sensor)
     camera = Camera(kinect_v1(spec.width, spec.height), spec.mirrored)
     room = None
     if spec.room:
         room = random_room(rng, np.array([x, 0.0, z]))
         if rng.uniform() < 0.15:
             aside = float(rng.choice([-1.0, 1.0])) * float(rng.uniform(0.8, 1.3))
-            people.append(_figure(rng, spec.split, x + aside, z + float(rng.uniform(-0.2, 1.0))))
+            people.append(random_figure(rng, spec.split, x + aside, z + float(rng.uniform(-0.2, 1.0))))
     light = random_light(rng) if spec.color else None
     shot = shoot(tuple(people), room, view, camera, light, rng)
     depth, part = shot.depth_m, shot.part
     if not spec.room:
         _cut_out(depth, part, shot.joints_m, camera, view, rng)
     visible = visible_joints(shot.joints_m, depth, part, camera)
-    reading = sense(depth, camera, rng)
+    reading = sense(depth, camera, rng, random_sensor(rng) if spec.any_sensor else None)
     seen = np.where(reading.depth_mm > 0, part.ravel()[reading.source], np.uint8(NO_PART))
     arms = people[0].pose.arms
     frame = DepthFrame(0, reading.depth_mm, camera, shot.color_rgb, seed)

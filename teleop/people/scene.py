@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from teleop.body.parts import NO_PART
 from teleop.frames import Camera, ColorImage
+from teleop.joints import N_JOINTS
 from teleop.people.body import Body, Bytes, Floats32, Ints32, skin, vertex_normals
 from teleop.people.clothes import Dressed
 from teleop.people.pose import Pose
@@ -30,11 +32,13 @@ class Figure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shot:
-    """True depth (H, W) float32 metres, inf where nothing is; parts of the first person (H, W) uint8; colour or None;
-    joints (20, 3) of the first person in camera axes."""
+    """True depth (H, W) float32 metres, inf where nothing is; parts of the first person (H, W) uint8; the others'
+    pixels (H, W) bool; colour or None; joints (20, 3) of the
+    first person in camera axes; NaN without one."""
 
     depth_m: Floats32
     part: Bytes
+    others: npt.NDArray[np.bool_]
     color_rgb: ColorImage | None
     joints_m: Floats
 
@@ -62,6 +66,7 @@ def shoot(
         draw(raster, camera, points, figure.body.faces, first)
         meshes.append((points, figure.body.faces, figure.worn.color_rgb.astype(np.float32)))
         first += len(figure.body.faces)
+    people_faces = first
     if room is not None:
         if len(room.faces):
             corners = room.vertices_m[room.faces].reshape(-1, 3)
@@ -70,14 +75,20 @@ def shoot(
             draw(raster, camera, points, faces, first)
             meshes.append((points, faces, np.repeat(room.face_rgb, 3, axis=0).astype(np.float32)))
         draw_planes(raster, camera, room, view)
-    operator = people[0].body
-    mine = (raster.face >= 0) & (raster.face < len(operator.faces))
-    part = np.where(mine, operator.face_part[np.where(mine, raster.face, 0)], np.uint8(NO_PART))
+    if people:
+        operator = people[0].body
+        mine = (raster.face >= 0) & (raster.face < len(operator.faces))
+        part = np.where(mine, operator.face_part[np.where(mine, raster.face, 0)], np.uint8(NO_PART))
+        others = (raster.face >= len(operator.faces)) & (raster.face < people_faces)
+        joints = joints_m(operator.rig, people[0].posed.moved(view.R, view.t_m))
+    else:
+        part = np.full(raster.face.shape, NO_PART, np.uint8)
+        others = np.zeros(raster.face.shape, np.bool_)
+        joints = np.full((N_JOINTS, 3), np.nan)
     color = None
     if light is not None and rng is not None:
         color = _color(raster, camera, view, room, meshes, light, rng)
-    joints = joints_m(operator.rig, people[0].posed.moved(view.R, view.t_m))
-    return Shot(raster.depth_m, part, color, joints)
+    return Shot(raster.depth_m, part, others, color, joints)
 
 
 def _color(

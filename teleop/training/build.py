@@ -12,7 +12,7 @@ import numpy.typing as npt
 from teleop.body.model import BodyModel
 from teleop.body.person import N_FEATURES
 from teleop.joints import BONES, N_JOINTS
-from teleop.training.dataset import Images, draw_pixels
+from teleop.training.images import Images, draw_pixels
 from teleop.training.leaves import Leaves, fill_leaves
 from teleop.training.trainer import Tree, TreeSpec, grow_tree
 

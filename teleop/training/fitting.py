@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.features import PaddedImage, body_pixels, body_points
+from teleop.body.features import body_pixels, body_points
 from teleop.body.forest import forest_leaves, stride_for
 from teleop.body.model import BodyModel
 from teleop.body.parts import NO_PART
@@ -21,27 +21,12 @@ from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
 from teleop.frames import DepthFrame
 from teleop.joints import N_JOINTS
-from teleop.training.dataset import Images
+from teleop.training.dataset import Frames
+from teleop.training.images import Images, image_of
 
 BANDWIDTHS_M: Final = (0.025, 0.035, 0.05, 0.07, 0.1)
 REFERENCE_QUANTILE: Final = 0.3
 """A joint seen as well as this share of the visible ones, or better, has confidence 1."""
-
-
-def image_of(images: Images, f: int) -> PaddedImage:
-    """One frame as the tracker sees it."""
-    height, width = int(images.heights[f]), int(images.widths[f])
-    flat = images.flat_mm[images.starts[f] : images.starts[f] + width * height]
-    focal = float(images.focal_px[f])
-    return PaddedImage(
-        flat.reshape(height, width),
-        int(images.u0[f]),
-        int(images.v0[f]),
-        focal,
-        focal,
-        float(images.cx[f]),
-        float(images.cy[f]),
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,26 +115,31 @@ def logistic_weights(
     return np.append(plain, w[-1] - plain @ mean)
 
 
-def fit_person(
-    model: BodyModel, frames: Iterable[tuple[DepthFrame, npt.NDArray[np.uint8]]], config: BodyConfig
-) -> BodyModel:
-    """The model with person weights fitted on people and furniture in rendered rooms. frames: with part labels.
+def fit_person(model: BodyModel, chunks: Iterable[Frames], config: BodyConfig) -> BodyModel:
+    """The model with person weights fitted on rendered frames, with people and without.
 
     A surface is a person when more than half of it is one, nobody when less than a tenth is.
     """
-    tracker = BodyTracker(model, config)
+    every = config.person.model_copy(update={"min_cells": 0.0})
+    tracker = BodyTracker(model, config.model_copy(update={"person": every}))
+    finder = model.finder if config.cascade.finder else None
     rows, labels = [], []
-    for frame, part in frames:
-        scene = look(frame, None, config.floor, config.segmentation)
-        for label in rank(scene, None, config.segmentation.model_copy(update={"candidates": 10})):
-            found = candidate(frame, scene, label, config.segmentation)
-            if found is None:
-                continue
-            share = float((part[found.mask] != NO_PART).mean())
-            if share > 0.5 or share < 0.1:
-                rows.append(design(tracker.estimate(frame, found, None).cues))
-                labels.append(share > 0.5)
+    for frames in chunks:
+        for f in range(len(frames)):
+            frame = DepthFrame(0, frames.depth_mm[f], frames.camera(f))
+            people = (frames.part[f] != NO_PART) | frames.others[f]
+            # without the finder's cut things are surfaces, too: what is no person is to be seen here
+            for net in (finder, None):
+                scene = look(frame, None, net, config.floor, config.segmentation)
+                for label in rank(scene, None, config.segmentation):
+                    found = candidate(frame, scene, label, config.segmentation)
+                    if found is None:
+                        continue
+                    share = float(people[found.mask].mean())
+                    if share > 0.5 or share < 0.1:
+                        rows.append(design(tracker.estimate(frame, found, None).cues))
+                        labels.append(share > 0.5)
     is_person = np.array(labels)
     if len(rows) == 0 or is_person.all() or not is_person.any():
-        raise ModelError("the rooms show no people or nothing else; render more frames to fit what tells them apart")
+        raise ModelError("the frames show no people or nothing else; render more to fit what tells them apart")
     return replace(model, person_weights=logistic_weights(np.array(rows), is_person, 0.3))

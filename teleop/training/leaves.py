@@ -13,7 +13,7 @@ from teleop.body.forest import walk
 from teleop.body.model import OFFSET_UNIT_M, SPREAD_UNIT_M, pack_nodes
 from teleop.body.parts import N_PARTS
 from teleop.joints import MIRROR_JOINT, N_JOINTS
-from teleop.training.dataset import Images, Pixels
+from teleop.training.images import Images, Pixels
 from teleop.training.trainer import Tree
 
 ROBUST_M: Final = 0.06

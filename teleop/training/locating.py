@@ -9,15 +9,22 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.coarse import N_OUTPUTS, REACH_M, SPREAD_M, CoarseNet, anchor_places, places, to_crop
-from teleop.body.crop import WHOLE, crop_cells
-from teleop.body.features import FAR_MM
+from teleop.body.coarse import N_OUTPUTS, REACH_M, SPREAD_M, CoarseNet, anchor_places, places, to_crop, whole_crop
+from teleop.body.crop import EMPTY, WHOLE, body_centre
 from teleop.body.layers import F32
-from teleop.errors import ModelError
 from teleop.joints import MIRROR_JOINT, N_JOINTS
-from teleop.training.bodies import Bodies, body_image
+from teleop.training.bodies import Bodies, thinned
 from teleop.training.build import Progress
-from teleop.training.network import LoopSpec, convolution, folded, tensorflow, train
+from teleop.training.network import (
+    LoopSpec,
+    channels_first,
+    check_runtime,
+    convolution,
+    dense,
+    folded,
+    pytorch,
+    train,
+)
 
 _BLOCKS: Final = ((16, 5, 2), (32, 3, 2), (32, 3, 1), (64, 3, 2), (64, 3, 1), (64, 3, 1), (64, 3, 1), (64, 3, 1))
 """Outputs, kernel size and stride of each convolution."""
@@ -26,11 +33,11 @@ _RESIDUAL: Final = (5, 6, 7)
 
 @dataclass(frozen=True, slots=True)
 class CoarseSpec:
-    """steps: batches of ``frames`` frames. shift_m: spread of the crop's centre across and in depth, and down.
+    """steps: batches of ``frames`` frames. shift_m: spread of the crop's centre across, down and in depth.
     hidden_weight: of joints that are not visible. dropout: share of the frames of which some pixels go.
     cut: share of which everything below some row goes."""
 
-    steps: int = 12500
+    steps: int = 30_000
     frames: int = 64
     shift_m: tuple[float, float, float] = (0.06, 0.08, 0.08)
     hidden_weight: float = 0.25
@@ -43,23 +50,22 @@ def draw(bodies: Bodies, frames: npt.NDArray[np.int64], spec: CoarseSpec, rng: n
 
     Half of the frames are mirrored.
     """
-    s = WHOLE
-    crops = np.empty((len(frames), s.rows, s.columns, 2), np.float32)
+    crops = np.empty((len(frames), WHOLE.rows, WHOLE.columns, 2), np.float32)
     truth = np.empty((len(frames), N_JOINTS, 3), np.float32)
     weights = np.empty((len(frames), N_JOINTS), np.float32)
     for n, f in enumerate(frames):
-        image, (width, height) = body_image(bodies, f, spec.dropout, rng), bodies.sizes[f]
-        fx, fy, _, _ = bodies.intrinsics[f]
-        column, row, depth_m = bodies.centres[f] + rng.normal(0, 1, 3) * np.array([0.0, 0.0, spec.shift_m[2]])
+        image = thinned(bodies.pixels(f), spec.dropout, rng)
+        fx, fy, _, _ = image.intrinsics
+        column, row, depth_m = np.array(body_centre(image)) + rng.normal(0, 1, 3) * [0.0, 0.0, spec.shift_m[2]]
+        depth_m = max(depth_m, 0.5)
         column += rng.normal(0, spec.shift_m[0]) * fx / depth_m
         row += rng.normal(0, spec.shift_m[1]) * fy / depth_m
-        if rng.uniform() < spec.cut:
-            image = image.copy()
-            image[int(rng.uniform(0.5, 1.0) * height) * width :] = FAR_MM
         mirror = bool(rng.uniform() < 0.5)
-        shape = (s.rows, s.columns, s.cell_m, s.unit_m, s.near, s.far)
-        crops[n] = crop_cells(image, 0, int(width), int(height), column, row, depth_m, fx, fy, mirror, *shape)
-        place = to_crop(bodies.joints_m[f], (column, row, depth_m), bodies.intrinsics[f])
+        crops[n] = whole_crop(image, (float(column), float(row), float(depth_m)), mirror)
+        if rng.uniform() < spec.cut:
+            lowest = int(np.flatnonzero(crops[n, ..., 1].any(axis=1))[-1:].sum())
+            crops[n, int(rng.uniform(0.4, 1.0) * lowest) :] = (EMPTY, 0.0)
+        place = to_crop(bodies.joints_m[f], (column, row, depth_m), image.intrinsics)
         weight = np.where(bodies.visible[f], 1.0, spec.hidden_weight)
         if mirror:
             place, weight = place[list(MIRROR_JOINT)] * np.array([-1.0, 1.0, 1.0]), weight[list(MIRROR_JOINT)]
@@ -75,52 +81,63 @@ def _batches(bodies: Bodies, spec: CoarseSpec, seed: int) -> Iterator[tuple[F32,
             yield draw(bodies, order[first : first + spec.frames], spec, rng)
 
 
-def network(tf: Any) -> Any:
-    """The untrained network: crop to (anchors, J, N_OUTPUTS)."""
-    layers = tf.keras.layers
-    crop = x = layers.Input((WHOLE.rows, WHOLE.columns, 2))
-    for n, (outputs, size, stride) in enumerate(_BLOCKS):
-        y = convolution(tf, x, outputs, size, stride)
-        x = layers.Add()([x, y]) if n in _RESIDUAL else y
-    x = layers.Conv2D(N_JOINTS * N_OUTPUTS, 1)(x)
-    return tf.keras.Model(crop, layers.Reshape((-1, N_JOINTS, N_OUTPUTS))(x))
+def network(torch: Any) -> Any:
+    """The untrained network: crop (N, 2, rows, columns) to anchors (N, A, J, N_OUTPUTS)."""
+    nn = torch.nn
+
+    class Net(torch.nn.Module):  # type: ignore[misc]
+        """Convolutions, then one head for every anchor."""
+
+        def __init__(self) -> None:
+            super().__init__()
+            inputs, blocks = 2, []
+            for outputs, size, stride in _BLOCKS:
+                blocks.append(convolution(torch, inputs, outputs, size, stride))
+                inputs = outputs
+            self.blocks = nn.ModuleList(blocks)
+            self.head = nn.Conv2d(inputs, N_JOINTS * N_OUTPUTS, 1)
+
+        def forward(self, x: Any) -> Any:
+            for n, block in enumerate(self.blocks):
+                x = x + block(x) if n in _RESIDUAL else block(x)
+            return self.head(x).permute(0, 2, 3, 1).flatten(1, 2).unflatten(2, (N_JOINTS, N_OUTPUTS))
+
+    return Net()
 
 
-def vote(tf: Any, model: Any, out: Any) -> tuple[Any, Any]:
+def vote(torch: Any, out: Any) -> tuple[Any, Any]:
     """Places (N, J, 3) and log spreads (N, J) of the anchors' votes."""
-    rows, columns = (int(n) for n in model.layers[-2].output.shape[1:3])
-    anchors = anchor_places(rows, columns)[:, None, :]
-    weight = tf.nn.softmax(out[..., 0], axis=1)[..., None]
+    strides = int(np.prod([stride for _, _, stride in _BLOCKS]))
+    anchors = torch.from_numpy(anchor_places(WHOLE.rows // strides, WHOLE.columns // strides))[:, None, :]
+    weight = torch.softmax(out[..., 0], 1)[..., None]
     offsets = out[..., 1:4] * REACH_M
-    there = tf.concat([offsets[..., :2] + anchors, offsets[..., 2:]], -1)
-    return tf.reduce_sum(weight * there, 1), tf.reduce_sum(weight[..., 0] * out[..., 4], 1)
+    there = torch.cat([offsets[..., :2] + anchors, offsets[..., 2:]], -1)
+    return (weight * there).sum(1), (weight[..., 0] * out[..., 4]).sum(1)
 
 
 def runtime(model: Any) -> CoarseNet:
     """The trained network in the form of the run time."""
-    kernel, bias = model.layers[-2].get_weights()
-    head = np.ascontiguousarray(kernel.reshape(kernel.shape[-2], -1))
-    return CoarseNet(folded(model, _RESIDUAL), head, bias)
+    head, bias = dense(model.head)
+    return CoarseNet(tuple(folded(block, n in _RESIDUAL) for n, block in enumerate(model.blocks)), head, bias)
 
 
 def train_coarse(bodies: Bodies, spec: CoarseSpec, seed: int, progress: Progress) -> CoarseNet:
-    """Train from frames and a seed. Raises ModelError when TensorFlow is missing, when the training diverges or when
-    the run time's answers are not those of the trained network."""
-    tf = tensorflow(seed)
-    model = network(tf)
+    """Train from frames and a seed. Raises ModelError when PyTorch is missing, when the training diverges or when the
+    run time's answers are not those of the trained network."""
+    torch = pytorch(seed)
+    model = network(torch)
 
     def loss(crops: Any, truth: Any, weights: Any) -> Any:
-        found, log_spread = vote(tf, model, model(crops, training=True))
-        error = tf.sqrt(tf.reduce_sum((found - truth) ** 2, -1) + 1e-5) / SPREAD_M
+        found, log_spread = vote(torch, model(channels_first(crops)).float())
+        error = (((found - truth) ** 2).sum(-1) + 1e-5).sqrt() / SPREAD_M
         # the likelihood of an error whose density falls exponentially with its length teaches the spread
-        likelihood = error / tf.exp(log_spread) + 3.0 * log_spread
-        return tf.reduce_mean(weights * (error + 0.3 * likelihood))
+        likelihood = error / log_spread.exp() + 3.0 * log_spread
+        return (weights * (error + 0.3 * likelihood)).mean()
 
-    train(tf, model, loss, _batches(bodies, spec, seed), LoopSpec(spec.steps), "coarse network", progress)
+    train(torch, model, loss, _batches(bodies, spec, seed), LoopSpec(spec.steps), "coarse network", progress)
     net = runtime(model)
     crops = draw(bodies, np.arange(1), spec, np.random.default_rng(seed))[0]
-    wanted = np.asarray(vote(tf, model, model(crops, training=False))[0])[0]
-    difference = float(np.abs(places(net, crops[0])[0] - wanted).max())
-    if difference > 1e-4:
-        raise ModelError(f"the coarse network's run time is off by {1000 * difference:.2f} mm from what was trained")
+    with torch.no_grad():
+        wanted = vote(torch, model(channels_first(torch.from_numpy(crops))))[0][0].numpy()
+    check_runtime([places(net, crops[0])[0]], [wanted], 1e-4, "coarse network")
     return net

@@ -1,21 +1,21 @@
-"""Training a small network with TensorFlow: one loop for all, and what brings a network to the run time."""
+"""Training a small network with PyTorch: one loop for all, and what brings a network to the run time."""
 
 from __future__ import annotations
 
-import os
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from teleop.body.layers import Convolution
 from teleop.errors import ModelError
 from teleop.training.build import Progress
 
-Batch = tuple[Any, ...]
+Batch = tuple[npt.NDArray[Any], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,50 +29,54 @@ class LoopSpec:
     clip_norm: float = 5.0
 
 
-def tensorflow(seed: int) -> Any:
+def pytorch(seed: int) -> Any:
     """The module, seeded. Raises ModelError when it is not installed."""
-    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "2")
     try:
-        import tensorflow as tf
+        import torch
     except ImportError as error:
         raise ModelError(
-            "training the networks needs TensorFlow; install it with: pip install 'greenhouse-teleop[networks]'"
+            "training the networks needs PyTorch; install it with: pip install 'greenhouse-teleop[networks]'"
         ) from error
-    tf.keras.utils.set_random_seed(seed)
-    return tf
+    torch.manual_seed(seed)
+    return torch
 
 
-def convolution(tf: Any, x: Any, outputs: int, size: int, stride: int) -> Any:
-    """Convolution, batch normalisation and cut at zero: one teleop.body.layers.Convolution at run time."""
-    x = tf.keras.layers.Conv2D(outputs, size, stride, "same", use_bias=False)(x)
-    return tf.keras.layers.ReLU()(tf.keras.layers.BatchNormalization(momentum=0.98)(x))
+def convolution(torch: Any, inputs: int, outputs: int, size: int, stride: int) -> Any:
+    """Convolution, batch normalisation and cut at zero: one teleop.body.layers.Convolution at run time.
 
-
-def folded(model: Any, residual: tuple[int, ...] = ()) -> tuple[Convolution, ...]:
-    """The convolutions of a trained model that are followed by batch normalisation, in order.
-
-    residual: which of them add their input to their output.
+    Of even images with stride 2 the odd row and column of padding lie below and to the right, as at run time.
     """
-    layers = list(model.layers)
-    kernels = [layer for layer in layers if type(layer).__name__ == "Conv2D" and not layer.use_bias]
-    norms = [layer for layer in layers if type(layer).__name__ == "BatchNormalization"]
-    out = []
-    for n, (conv, norm) in enumerate(zip(kernels, norms, strict=True)):
-        gamma, beta, mean, variance = (np.asarray(w, np.float64) for w in norm.get_weights())
-        scale = gamma / np.sqrt(variance + norm.epsilon)
-        kernel = np.asarray(conv.get_weights()[0], np.float64) * scale
-        size, stride = int(conv.kernel_size[0]), int(conv.strides[0])
-        flat = kernel.reshape(-1, kernel.shape[-1])
-        out.append(
-            Convolution(
-                np.ascontiguousarray(flat, np.float32),
-                (beta - mean * scale).astype(np.float32),
-                size,
-                stride,
-                n in residual,
-            )
-        )
-    return tuple(out)
+    low, high = (size - stride) // 2, (size - stride + 1) // 2
+    return torch.nn.Sequential(
+        torch.nn.ZeroPad2d((low, high, low, high)),
+        torch.nn.Conv2d(inputs, outputs, size, stride, bias=False),
+        torch.nn.BatchNorm2d(outputs, momentum=0.02),
+        torch.nn.ReLU(),
+    )
+
+
+def folded(block: Any, residual: bool = False) -> Convolution:
+    """A trained convolution of this module in the form of the run time. residual: its input is added to its output."""
+    _, conv, norm, _ = block
+    scale = norm.weight / (norm.running_var + norm.eps).sqrt()
+    kernel = (conv.weight * scale[:, None, None, None]).permute(2, 3, 1, 0).reshape(-1, conv.out_channels)
+    bias = norm.bias - norm.running_mean * scale
+    return Convolution(array(kernel), array(bias), int(conv.kernel_size[0]), int(conv.stride[0]), residual)
+
+
+def array(values: Any) -> npt.NDArray[np.float32]:
+    """A tensor's values."""
+    return np.ascontiguousarray(values.detach().float().cpu().numpy())
+
+
+def dense(layer: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Kernel (inputs, outputs) and bias (outputs,) of a linear layer or a convolution of one pixel."""
+    return array(layer.weight.flatten(1).T), array(layer.bias)
+
+
+def channels_first(images: Any) -> Any:
+    """Images (N, rows, columns, channels) of the run time as PyTorch takes them; nothing is copied."""
+    return images.permute(0, 3, 1, 2)
 
 
 def _ahead(batches: Iterator[Batch], count: int, depth: int) -> Iterator[Batch]:
@@ -87,7 +91,7 @@ def _ahead(batches: Iterator[Batch], count: int, depth: int) -> Iterator[Batch]:
 
 
 def train(
-    tf: Any,
+    torch: Any,
     model: Any,
     loss: Callable[..., Any],
     batches: Iterator[Batch],
@@ -97,28 +101,42 @@ def train(
 ) -> float:
     """Fit the model's weights in place. loss(*batch) is a scalar tensor. batches: without end.
 
-    Returns the mean loss over the last tenth of the steps.
+    Products are taken in bfloat16 where the processor has instructions for it, twice as fast here. Returns the mean
+    loss over the last tenth of the steps.
     """
-    schedule = tf.keras.optimizers.schedules.CosineDecay(
-        0.0, spec.steps, alpha=0.005, warmup_target=spec.rate, warmup_steps=min(spec.warm_up, spec.steps // 4)
-    )
-    optimizer = tf.keras.optimizers.AdamW(schedule, weight_decay=spec.weight_decay, clipnorm=spec.clip_norm)
+    half = bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
+    model.to(memory_format=torch.channels_last).train()
+    optimizer = torch.optim.AdamW(model.parameters(), lr=spec.rate, weight_decay=spec.weight_decay)
+    warm_up = min(spec.warm_up, max(1, spec.steps // 4))
 
-    @tf.function(reduce_retracing=True)
-    def step(*batch: Any) -> Any:
-        with tf.GradientTape() as tape:
-            value = loss(*batch)
-        optimizer.apply_gradients(
-            zip(tape.gradient(value, model.trainable_variables), model.trainable_variables, strict=True)
-        )
-        return value
+    def rate(step: int) -> float:
+        return min(1.0, (step + 1) / warm_up) * (0.005 + 0.995 * 0.5 * (1.0 + np.cos(np.pi * step / spec.steps)))
 
+    schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, rate)
     last: list[float] = []
     for n, batch in enumerate(_ahead(batches, spec.steps, 6)):
-        value = float(step(*batch))
-        if not np.isfinite(value):
-            raise ModelError(f"training of the {name} diverged at step {n}; use a lower learning rate")
-        if n >= spec.steps - max(1, spec.steps // 10):
-            last.append(value)
+        tensors = [torch.from_numpy(part) for part in batch]
+        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=half):
+            value = loss(*tensors)
+        optimizer.zero_grad()
+        value.backward()
+        torch.nn.utils.clip_grad_norm_(model.parameters(), spec.clip_norm)
+        optimizer.step()
+        schedule.step()
+        if n % 20 == 0 or n >= spec.steps - max(1, spec.steps // 10):
+            now = float(value.detach())
+            if not np.isfinite(now):
+                raise ModelError(f"training of the {name} diverged at step {n}; use a lower learning rate")
+            if n >= spec.steps - max(1, spec.steps // 10):
+                last.append(now)
         progress(name, (n + 1) / spec.steps)
+    model.eval()
     return float(np.mean(last))
+
+
+def check_runtime(found: Sequence[Any], wanted: Sequence[Any], most: float, name: str) -> None:
+    """Raise ModelError unless the run time answers what the trained network answers."""
+    for ours, theirs in zip(found, wanted, strict=True):
+        off = float(np.abs(np.asarray(ours) - np.asarray(theirs)).max())
+        if not off <= most:
+            raise ModelError(f"the run time of the {name} is off by {off:.2g} from what was trained")

@@ -1,35 +1,42 @@
-"""The one recipe of the shipped model: render, grow, fit, save, and the model card beside it."""
+"""The one recipe of the shipped model: render, train, grow, fit, save, and the model card beside it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from teleop.body.cascade import N_CUES, Cascade
-from teleop.body.model import BodyModel, save_model
-from teleop.body.network_file import crop_note
-from teleop.body.parts import NO_PART
+from teleop.body.limbs import GROUP_NAMES, GROUPS, Round
+from teleop.body.model import BodyModel, model_arrays, model_of, save_model
+from teleop.body.network_file import (
+    coarse_arrays,
+    coarse_of,
+    crop_note,
+    finder_arrays,
+    finder_of,
+    limb_arrays,
+    limb_of,
+)
 from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
-from teleop.evaluation.nobody import PER_BATCH, Nobody
-from teleop.frames import DepthFrame
 from teleop.parallel import open_pool
-from teleop.people.sampling import SampleSpec, sample_frame
 from teleop.software import library_digest
-from teleop.training.bodies import load_bodies
+from teleop.training.bodies import Bodies, load_bodies
 from teleop.training.build import BuildSpec, Progress, build_model
-from teleop.training.chaining import ChainSpec, estimates, train_chain
-from teleop.training.dataset import HEIGHT, WIDTH, Images, Split, load_images, render_dataset
+from teleop.training.dataset import CHUNK, Frames, Split, read_chunk, render_dataset
+from teleop.training.finding import FinderSpec, load_grids, train_finder
 from teleop.training.fitting import best_errors_m, fit_model, fit_person, propose_all, walk_frames
+from teleop.training.images import Images, padded
 from teleop.training.locating import CoarseSpec, train_coarse
-from teleop.training.network import tensorflow
-from teleop.training.refining import RefinerSpec, train_refiner
+from teleop.training.looking import LimbSpec, coarse_joints, round_joints, train_limbs
+from teleop.training.network import pytorch
+from teleop.training.stages import Stages
 from teleop.training.trusting import fit_trust, placed_errors_m
 
 MAX_BYTES: Final = 20_000_000
@@ -39,56 +46,70 @@ PADDING_M: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """frames: training frames of the forest. validation: frames the fit uses; as many again are scored. trust: further
-    validation frames for the confidence. rooms: frames with a room, and as many without, that teach what is a person.
-    network_frames: training frames of the networks, the forest's first. seed: of all draws. workers: processes that
-    render, by default one per core. scheduler: address of a Dask cluster that renders instead."""
+    """frames: training frames of the networks that place joints; the finder sees the first finder_frames of them, the
+    forest is grown from the first forest_frames. validation: frames the fit uses; as many again are scored, further
+    trust ones teach the confidence and, as raw frames, what is a person. seed: of all draws. workers: processes that
+    render, by default one per core. scheduler: address of a Dask cluster that renders instead. rounds: looks at the
+    limbs."""
 
-    frames: int = 24000
-    validation: int = 300
-    trust: int = 2400
-    network_frames: int = 100_000
-    rooms: int = 400
+    frames: int = 160_000
+    finder_frames: int = 80_000
+    forest_frames: int = 24_000
+    validation: int = 400
+    trust: int = 3200
     seed: int = 2011
     workers: int | None = None
     scheduler: str | None = None
     build: BuildSpec = field(default_factory=BuildSpec)
+    finder: FinderSpec = field(default_factory=FinderSpec)
     coarse: CoarseSpec = field(default_factory=CoarseSpec)
-    refiner: RefinerSpec = field(default_factory=RefinerSpec)
-    limbs: tuple[ChainSpec, ChainSpec] = (ChainSpec(), ChainSpec(steps=6000))
+    rounds: tuple[tuple[LimbSpec, LimbSpec, LimbSpec], ...] = (
+        (LimbSpec(), LimbSpec(steps=10_000), LimbSpec(steps=10_000)),
+        (LimbSpec(), LimbSpec(steps=10_000), LimbSpec(steps=10_000)),
+    )
+
+    @property
+    def validation_frames(self) -> int:
+        """Validation frames in all."""
+        return 2 * self.validation + self.trust
 
 
-def person_frames(count: int) -> Iterator[tuple[DepthFrame, npt.NDArray[np.uint8]]]:
-    """Frames and part labels: people of the training split in rooms, as many without a room, as many rooms with
-    things and no person; seeds far from those of the trees."""
-    for first, room in ((10_000_000, True), (11_000_000, False)):
-        for n in range(count):
-            spec = SampleSpec(split="train", width=WIDTH, height=HEIGHT, room=room, mirrored=bool(n % 2))
-            shot = sample_frame(first + n, spec)
-            yield shot.frame, shot.part
-    nobody = Nobody(WIDTH, HEIGHT, seed=71)
-    for batch in range(-(-count // PER_BATCH)):
-        for case in nobody.batch(batch):
-            yield case.frame, np.full(case.frame.depth_mm.shape, NO_PART, np.uint8)
+def shortened(recipe: Recipe, share: float) -> Recipe:
+    """The recipe with this share of the networks' training steps."""
+
+    def fewer(steps: int) -> int:
+        return max(10, round(steps * share))
+
+    return replace(
+        recipe,
+        finder=replace(recipe.finder, steps=fewer(recipe.finder.steps)),
+        coarse=replace(recipe.coarse, steps=fewer(recipe.coarse.steps)),
+        rounds=tuple(
+            (arms, legs, trunk)
+            for arms, legs, trunk in (
+                (replace(spec, steps=fewer(spec.steps)) for spec in specs) for specs in recipe.rounds
+            )
+        ),
+    )
 
 
 def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) -> BodyModel:
-    """Make a model and its card. work: folder of the rendered frames, kept, so that a second run goes on from it.
+    """Make a model and its card. work: folder of the rendered frames and of what is trained stage by stage, kept, so
+    that a second run goes on from it.
 
-    Raises ModelError when the file would be larger than 20 MB or TensorFlow is missing, DataError when the people's
-    data set is missing.
+    Raises ModelError when the file would be larger than 20 MB or PyTorch is missing, DataError when the people's data
+    set is missing.
     """
-    tensorflow(recipe.seed)  # told before hours of rendering
-    validation, frames = 2 * recipe.validation + recipe.trust, max(recipe.frames, recipe.network_frames)
-    wanted: tuple[tuple[Split, int], ...] = (("validation", validation), ("train", frames))
+    pytorch(recipe.seed)  # told before hours of rendering
+    wanted: tuple[tuple[Split, int], ...] = (("validation", recipe.validation_frames), ("train", recipe.frames))
     with open_pool(recipe.workers, recipe.scheduler, library_digest) as pool:
         for split, count in wanted:
-            for done, total in render_dataset(work, split, count, PADDING_M, pool):
+            for done, total in render_dataset(work, split, count, pool):
                 progress(f"rendering {split}", done / total)
-    model = build_model(load_images(work, "train", recipe.frames), recipe.build, recipe.seed, progress)
-    model = replace(model, cascade=train_cascade(recipe, work, progress))
+    config, stages = BodyConfig(), Stages(work)
+    model = train_stages(recipe, work, stages, config, progress)
     progress("fitting", 0.0)
-    model = fit_everything(model, recipe, work)
+    model = fit_everything(model, recipe, work, config)
     output.parent.mkdir(parents=True, exist_ok=True)
     save_model(model, output)
     progress("fitting", 1.0)
@@ -98,35 +119,86 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
     return model
 
 
-def train_cascade(recipe: Recipe, work: Path, progress: Progress) -> Cascade:
-    """All networks, from the frames in ``work``; the trust is still to be fitted."""
-    bodies = load_bodies(work, "train", recipe.network_frames, recipe.workers)
-    coarse = train_coarse(bodies, recipe.coarse, recipe.seed, progress)
-    refiner = train_refiner(bodies, recipe.refiner, recipe.seed, progress)
-    before_m = estimates(bodies, coarse, refiner, progress)
-    arms, legs = (train_chain(bodies, before_m, kind, recipe.limbs[kind], recipe.seed, progress) for kind in (0, 1))
-    return Cascade(coarse, refiner, (arms, legs), np.zeros(N_CUES + 1))
+def train_stages(recipe: Recipe, work: Path, stages: Stages, config: BodyConfig, progress: Progress) -> BodyModel:
+    """Finder, forest and all networks that place joints; what is fitted on validation frames is still to come."""
+    seed = recipe.seed
+    finder = stages.kept(
+        "finder",
+        (recipe.finder, recipe.finder_frames, recipe.frames, seed),
+        lambda: train_finder(
+            load_grids(work, "train", min(recipe.finder_frames, recipe.frames), recipe.workers),
+            recipe.finder,
+            seed,
+            progress,
+        ),
+        finder_arrays,
+        finder_of,
+    )
+    progress("cutting out operators", 0.0)
+    bodies = load_bodies(work, "train", recipe.frames, finder, config, recipe.workers, recipe.forest_frames)
+    progress("cutting out operators", 1.0)
+    forest = stages.kept(
+        "forest",
+        (recipe.build, recipe.forest_frames),
+        lambda: build_model(padded(bodies.labelled(), PADDING_M), recipe.build, seed, progress),
+        model_arrays,
+        model_of,
+    )
+    coarse = stages.kept(
+        "coarse", recipe.coarse, lambda: train_coarse(bodies, recipe.coarse, seed, progress), coarse_arrays, coarse_of
+    )
+    joints_m, rounds = coarse_joints(bodies, coarse, progress), list[Round]()
+    for number, specs in enumerate(recipe.rounds):
+        if rounds:
+            joints_m = round_joints(bodies, joints_m, rounds[-1], progress)
+        arms, legs, trunk = (
+            stages.kept(
+                f"round_{number}_{GROUP_NAMES[group]}",
+                specs[group],
+                partial(
+                    train_limbs,
+                    bodies,
+                    joints_m,
+                    group,
+                    specs[group],
+                    seed + 10 * number,
+                    f"round {number + 1}",
+                    progress,
+                ),
+                partial(limb_arrays, "limb"),
+                partial(limb_of, "limb"),
+            )
+            for group in range(len(GROUPS))
+        )
+        rounds.append((arms, legs, trunk))
+    return replace(forest, finder=finder, cascade=Cascade(coarse, tuple(rounds), np.zeros(N_CUES + 1)))
 
 
-def fit_everything(model: BodyModel, recipe: Recipe, work: Path) -> BodyModel:
-    """What is fitted after the trees, from the validation frames in ``work``, and the figures."""
-    scored = 2 * recipe.validation
-    images = load_images(work, "validation", scored + recipe.trust)
-    config = BodyConfig()
+def validation_chunks(recipe: Recipe, work: Path) -> Iterator[Frames]:
+    """The raw validation frames that are neither fitted on nor scored."""
+    first = -(-2 * recipe.validation // CHUNK) * CHUNK
+    for at in range(first, recipe.validation_frames, CHUNK):
+        yield read_chunk(work, "validation", at)
+
+
+def fit_everything(model: BodyModel, recipe: Recipe, work: Path, config: BodyConfig) -> BodyModel:
+    """What is fitted after training, from the validation frames in ``work``, and the figures."""
+    bodies = load_bodies(work, "validation", recipe.validation_frames, model.finder, config, recipe.workers)
+    images, scored = padded(bodies, PADDING_M), 2 * recipe.validation
     model = fit_model(model, images, recipe.validation, config)
-    model = fit_trust(model, images, scored, len(images), config)
-    model = fit_person(model, person_frames(recipe.rooms), config)
+    model = fit_trust(model, bodies, images, range(scored, len(bodies)), config)
+    model = fit_person(model, validation_chunks(recipe, work), config)
     stamp = datetime.now(UTC).strftime("%Y-%m-%d")
-    figures = _figures(model, images, recipe.validation, scored, config)
+    figures = _figures(model, bodies, images, range(recipe.validation, scored), config)
     return replace(model, meta={**model.meta, "date": stamp, **figures})
 
 
-def _figures(model: BodyModel, images: Images, first: int, last: int, config: BodyConfig) -> dict[str, float]:
+def _figures(model: BodyModel, bodies: Bodies, images: Images, frames: range, config: BodyConfig) -> dict[str, float]:
     """Single-frame figures on the validation frames that the fit did not use: the forest alone, and the whole."""
-    walked = walk_frames(model, images, last, config)[first:]
-    forest = best_errors_m(propose_all(model, walked, config), images.joints_m[first:last])
-    placed = placed_errors_m(model, images, first, last, config)
-    visible = images.visible[first:last]
+    walked = walk_frames(model, images, frames.stop, config)[frames.start :]
+    truth, visible = images.joints_m[frames.start : frames.stop], images.visible[frames.start : frames.stop]
+    forest = best_errors_m(propose_all(model, walked, config), truth)
+    placed = placed_errors_m(model, bodies, images, frames, config)
     return {
         "forest_within_10cm": round(float((forest[visible] < 0.1).mean()), 4),
         "forest_median_error_m": round(float(np.median(forest[visible])), 4),
@@ -142,19 +214,26 @@ def card(model: BodyModel, recipe: Recipe, output: Path) -> str:
     command = (
         f"teleop train --frames {recipe.frames} --seed {recipe.seed} --trees {b.trees} --candidates {t.candidates}"
     )
+    f, c, limbs = recipe.finder, recipe.coarse, recipe.rounds
+    looks = "; ".join(
+        ", ".join(f"{name} {spec.steps}" for name, spec in zip(GROUP_NAMES, specs, strict=True)) for specs in limbs
+    )
     rows = (
         ("made by", f"`{command}`"),
         ("date", model.meta["date"]),
         ("size", f"{size}, {len(model.leaf_parts)} leaves in {b.trees} trees, deepest {model.max_depth}"),
         (
             "data",
-            f"{recipe.frames} rendered frames, 320x240, foreground with segmentation faults, and their mirror images; "
-            "bodies from MakeHuman (CC0), poses random or from the CMU motion capture database; Kinect v1 noise",
+            f"{recipe.frames} rendered frames, 320x240, and their mirror images: half of them people cut out, with "
+            "faults of a segmentation, four in ten whole scenes with things and other people, one in ten without "
+            "anybody; bodies from MakeHuman (CC0), poses random, from the CMU motion capture database or from Kinect "
+            "skeletons; noise of a Kinect v1 and of other sensors",
         ),
+        ("finder", f"{f.steps} steps of {f.frames} frames"),
         (
             "trees",
-            f"{b.pixels} pixels a frame, {t.candidates} candidate features a node, depth <= {t.depth}, "
-            f">= {t.min_leaf} pixels a leaf",
+            f"{recipe.forest_frames} frames, {b.pixels} pixels a frame, {t.candidates} candidate features a node, "
+            f"depth <= {t.depth}, >= {t.min_leaf} pixels a leaf",
         ),
         (
             "leaves",
@@ -162,17 +241,11 @@ def card(model: BodyModel, recipe: Recipe, output: Path) -> str:
         ),
         ("fitted", f"bandwidth and reference weight per joint, on {recipe.validation} validation frames"),
         (
-            "networks",
-            f"{crop_note()}; {recipe.network_frames} of the same kind of frames and their mirror images; coarse: "
-            f"{recipe.coarse.steps} steps of {recipe.coarse.frames} frames, refiner: {recipe.refiner.steps} steps of "
-            f"{recipe.refiner.frames * recipe.refiner.joints} joints, arms and legs: {recipe.limbs[0].steps} and "
-            f"{recipe.limbs[1].steps} steps of {2 * recipe.limbs[0].frames} limbs on what the stages before leave",
+            "networks of joints",
+            f"{crop_note()}; coarse: {c.steps} steps of {c.frames} frames; steps of the rounds: {looks}, of "
+            f"{limbs[0][0].frames} frames",
         ),
-        ("confidence", f"logistic regression on {recipe.trust} further validation frames"),
-        (
-            "person or not",
-            f"logistic regression, {3 * recipe.rooms} training frames: rooms with people, people, rooms without",
-        ),
+        ("confidence, person or not", f"logistic regressions on {recipe.trust} further validation frames"),
     )
     m = model.meta
     return "\n".join(

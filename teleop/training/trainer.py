@@ -19,7 +19,7 @@ import numpy.typing as npt
 from teleop.body.features import depth_difference
 from teleop.body.model import OFFSET_UNIT_M
 from teleop.body.parts import N_PARTS
-from teleop.training.dataset import Images, Pixels
+from teleop.training.images import Images, Pixels
 
 BINS: Final = 24
 """Thresholds tried per feature, plus one."""

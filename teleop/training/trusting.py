@@ -16,8 +16,9 @@ from teleop.body.model import BodyModel
 from teleop.body.votes import propose, vote_weights
 from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
-from teleop.training.dataset import Images
-from teleop.training.fitting import image_of, logistic_weights
+from teleop.training.bodies import Bodies
+from teleop.training.fitting import logistic_weights
+from teleop.training.images import Images, image_of
 
 NEAR_M: Final = 0.1
 """Confidence is the probability that a joint is nearer than this to the true one."""
@@ -25,13 +26,16 @@ NEAR_M: Final = 0.1
 Floats = npt.NDArray[np.float64]
 
 
-def placed_frames(model: BodyModel, images: Images, first: int, last: int, config: BodyConfig) -> tuple[Floats, Floats]:
-    """Joints (F, 20, 3) and cues (F, 20, N_CUES) of the frames first .. last. Raises ModelError without networks."""
+def placed_frames(
+    model: BodyModel, bodies: Bodies, images: Images, frames: range, config: BodyConfig
+) -> tuple[Floats, Floats]:
+    """Joints (F, 20, 3) and cues (F, 20, N_CUES) of some frames. images: the bodies, padded. Raises ModelError without
+    networks."""
     if model.cascade is None:
         raise ModelError("the model has no networks to place joints with; train it with 'teleop train'")
     joints, cues = [], []
-    weight_of = vote_weights(config.proposals)
-    for f in range(first, min(last, len(images))):
+    weight_of, rounds = vote_weights(config.proposals), config.cascade.rounds
+    for f in frames:
         image = image_of(images, f)
         area = int((image.depth_mm < image.depth_mm.max()).sum())
         stride = stride_for(area, config.forest.max_pixels)
@@ -40,25 +44,26 @@ def placed_frames(model: BodyModel, images: Images, first: int, last: int, confi
         points = body_points(image, where)
         proposals = propose(model, points, leaves, stride, image.fx, weight_of, config.proposals)
         forest_m, _ = assemble(proposals, model.bones_m, None, config.skeleton)
-        placed = settle(model.cascade, see(model.cascade, image, config.cascade), forest_m, config.cascade)
+        pixels = bodies.pixels(f)
+        placed = settle(model.cascade, pixels, see(model.cascade, pixels, rounds), forest_m, rounds)
         joints.append(placed.joints_m)
         cues.append(placed.cues)
     return np.array(joints), np.array(cues)
 
 
-def placed_errors_m(model: BodyModel, images: Images, first: int, last: int, config: BodyConfig) -> Floats:
-    """Distance (F, 20) of the final joints from the truth, in the frames first .. last."""
-    joints, _ = placed_frames(model, images, first, last, config)
-    return np.asarray(np.linalg.norm(joints - images.joints_m[first : first + len(joints)], axis=2))
+def placed_errors_m(model: BodyModel, bodies: Bodies, images: Images, frames: range, config: BodyConfig) -> Floats:
+    """Distance (F, 20) of the final joints from the truth."""
+    joints, _ = placed_frames(model, bodies, images, frames, config)
+    return np.asarray(np.linalg.norm(joints - bodies.joints_m[frames.start : frames.stop], axis=2))
 
 
-def fit_trust(model: BodyModel, images: Images, first: int, last: int, config: BodyConfig) -> BodyModel:
-    """The model with its trust fitted on the frames first .. last.
+def fit_trust(model: BodyModel, bodies: Bodies, images: Images, frames: range, config: BodyConfig) -> BodyModel:
+    """The model with its trust fitted on some frames.
 
     Joints that are not visible count as well: their confidence must fall.
     """
-    joints, cues = placed_frames(model, images, first, last, config)
-    error = np.linalg.norm(joints - images.joints_m[first : first + len(joints)], axis=2)
+    joints, cues = placed_frames(model, bodies, images, frames, config)
+    error = np.linalg.norm(joints - bodies.joints_m[frames.start : frames.stop], axis=2)
     rows = np.concatenate([cues, np.ones((*cues.shape[:2], 1))], axis=2).reshape(-1, cues.shape[2] + 1)
     weights = logistic_weights(rows, (error < NEAR_M).reshape(-1), 0.3, balanced=False)
     return replace(model, cascade=None if model.cascade is None else replace(model.cascade, trust=weights))

@@ -1,0 +1,133 @@
+"""The decimated depth image that segmentation works on, and what stands on the floor in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from teleop.frames import Camera, DepthFrame
+from teleop.skeleton import FloorPlane
+
+F32 = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grid:
+    """Every step-th pixel of a frame.
+
+    depth_mm: (h, w) uint16. across: (w,) and up: (h,) float32, x / z and y / z of a column and a row, camera axes.
+    """
+
+    step: int
+    depth_mm: npt.NDArray[np.uint16]
+    across: F32
+    up: F32
+
+
+def decimate(frame: DepthFrame, columns: int) -> Grid:
+    """A grid of about ``columns`` columns."""
+    step = max(1, round(frame.camera.depth.width / columns))
+    depth_mm = np.ascontiguousarray(frame.depth_mm[::step, ::step])
+    across, up = _rays(frame.camera, step, depth_mm.shape[1], depth_mm.shape[0])
+    return Grid(step, depth_mm, across, up)
+
+
+def _rays(camera: Camera, step: int, columns: int, rows: int) -> tuple[F32, F32]:
+    k = camera.depth
+    u, v = np.arange(columns, dtype=np.float64) * step, np.arange(rows, dtype=np.float64) * step
+    return (
+        (camera.x_sign / k.fx * (u - k.cx)).astype(np.float32),
+        (-1.0 / k.fy * (v - k.cy)).astype(np.float32),
+    )
+
+
+@nb.njit(cache=True, nogil=True)
+def _cloud(depth_mm: npt.NDArray[np.uint16], across: F32, up: F32, near_mm: int, far_mm: int) -> F32:
+    h, w = depth_mm.shape
+    out = np.empty((h * w, 3), np.float32)
+    n = 0
+    for r in range(h):
+        for c in range(w):
+            d = np.int64(depth_mm[r, c])
+            if near_mm < d < far_mm:
+                z = np.float32(d) * np.float32(1e-3)
+                out[n, 0], out[n, 1], out[n, 2] = across[c] * z, up[r] * z, z
+                n += 1
+    return out[:n]
+
+
+def cloud(grid: Grid, near_m: float, far_m: float) -> F32:
+    """Points (N, 3) in camera axes of the cells between two depths."""
+    points: F32 = _cloud(grid.depth_mm, grid.across, grid.up, round(near_m * 1000), round(far_m * 1000))
+    return points
+
+
+@nb.njit(cache=True, nogil=True)
+def _standing(
+    depth_mm: npt.NDArray[np.uint16],
+    across: F32,
+    up: F32,
+    near_mm: int,
+    far_mm: int,
+    R: F32,
+    height_m: float,
+    clearance_m: float,
+    person: F32,
+    min_person: float,
+    points: F32,
+) -> npt.NDArray[np.bool_]:
+    h, w = depth_mm.shape
+    usable = np.zeros((h, w), np.bool_)
+    least = np.float32(min_person)
+    for r in range(h):
+        for c in range(w):
+            d = np.int64(depth_mm[r, c])
+            if not near_mm < d < far_mm:
+                continue
+            z = np.float32(d) * np.float32(1e-3)
+            x, y = across[c] * z, up[r] * z
+            for a in range(3):
+                points[r, c, a] = R[a, 0] * x + R[a, 1] * y + R[a, 2] * z
+            points[r, c, 1] += np.float32(height_m)
+            # the band of the floor grows with z^2 as the sensor's noise does
+            high = points[r, c, 1] > np.float32(clearance_m) * max(np.float32(1.0), np.float32(0.25) * z * z)
+            usable[r, c] = high and (person.size == 0 or person[r, c] > least)
+    return usable
+
+
+def standing(
+    grid: Grid,
+    near_m: float,
+    far_m: float,
+    floor: FloorPlane | None,
+    clearance_m: float,
+    person: F32 | None,
+    least: float,
+) -> tuple[npt.NDArray[np.bool_], F32]:
+    """Cells (h, w) above the floor that may show a person, and the levelled points (h, w, 3) of all cells, y the height
+    above the floor; camera axes without a floor.
+
+    person: (h, w) probability of each cell, or None; ``least`` of it is needed.
+    """
+    points = np.zeros((*grid.depth_mm.shape, 3), np.float32)
+    R, height_m, clear_m = np.eye(3, dtype=np.float32), 0.0, -np.inf
+    if floor is not None:
+        R, height_m, clear_m = floor.R_level_camera().astype(np.float32), floor.camera_height_m, clearance_m
+    cells = np.zeros((0, 0), np.float32) if person is None else person
+    usable = _standing(
+        grid.depth_mm,
+        grid.across,
+        grid.up,
+        round(near_m * 1000),
+        round(far_m * 1000),
+        R,
+        height_m,
+        clear_m,
+        cells,
+        least,
+        points,
+    )
+    return usable, points
