@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.coarse import CoarseNet, locate
+from teleop.body.coarse import CoarseNet
 from teleop.body.features import Pixels
 from teleop.body.limbs import GROUPS, Round, place
 
@@ -46,39 +46,26 @@ class Placed:
     cues: Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Seen:
-    """What the first stages find: coarse joints (20, 3) and their spread (20,), then joints and spread after the
-    first round."""
-
-    coarse_m: Floats
-    coarse_spread_m: Floats
-    joints_m: Floats
-    spread_m: Floats
-
-
-def see(cascade: Cascade, image: Pixels, rounds: int) -> Seen:
-    """The whole operator, and the first of at most ``rounds`` looks at the limbs."""
-    coarse_m, coarse_spread = locate(cascade.coarse, image)
-    joints_m, spread = coarse_m, coarse_spread
-    if cascade.rounds[:rounds]:
-        joints_m, spread = place(cascade.rounds[0], image, coarse_m, _ALL)
-    return Seen(coarse_m, coarse_spread, joints_m, spread)
-
-
 def settle(
-    cascade: Cascade, image: Pixels, seen: Seen, forest_m: Floats, rounds: int, beside: Executor | None = None
+    cascade: Cascade,
+    image: Pixels,
+    coarse: tuple[Floats, Floats],
+    forest_m: Floats,
+    rounds: int,
+    beside: Executor | None = None,
 ) -> Placed:
-    """The further rounds. forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer.
+    """From the coarse joints and their spread (see teleop.body.coarse.locate) through at most ``rounds`` looks.
 
-    beside: where one half of the limbs is looked at while the other half is looked at here.
+    forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer. beside: where the arms are
+    looked at while legs and trunk are looked at here.
     """
-    joints_m, spread = seen.joints_m, seen.spread_m
-    for nets in cascade.rounds[1:rounds]:
+    coarse_m, coarse_spread = coarse
+    joints_m, spread = coarse
+    for nets in cascade.rounds[:rounds]:
         joints_m, spread = _both(partial(place, nets, image, joints_m), beside)
-    moved = np.linalg.norm(joints_m - seen.coarse_m, axis=1)
+    moved = np.linalg.norm(joints_m - coarse_m, axis=1)
     apart = np.linalg.norm(forest_m - joints_m, axis=1)
-    return Placed(joints_m, spread, trust_cues(seen.coarse_spread_m, spread, moved, apart))
+    return Placed(joints_m, spread, trust_cues(coarse_spread, spread, moved, apart))
 
 
 def _both(look: Callable[[tuple[int, ...]], tuple[Floats, Floats]], beside: Executor | None) -> tuple[Floats, Floats]:

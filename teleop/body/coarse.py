@@ -7,14 +7,16 @@ what the operator's pose is as a whole, so it finds the hand that a pixel's surr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
+import numba as nb
 import numpy as np
 import numpy.typing as npt
 
 from teleop.body.crop import WHOLE, body_centre, sample_crop
 from teleop.body.features import Pixels
-from teleop.body.layers import F32, Convolution, convolve
+from teleop.body.layers import F32, Stack, run_stack
 from teleop.joints import N_JOINTS
 
 REACH_M: Final = 0.3
@@ -29,9 +31,9 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoarseNet:
-    """convolutions: from the crop to the anchors. head: (channels, J * N_OUTPUTS). head_bias: (J * N_OUTPUTS,)."""
+    """stack: from the crop to the anchors. head: (channels, J * N_OUTPUTS). head_bias: (J * N_OUTPUTS,)."""
 
-    convolutions: tuple[Convolution, ...]
+    stack: Stack
     head: F32
     head_bias: F32
 
@@ -67,19 +69,52 @@ def to_crop(joints_m: Floats, centre: tuple[float, float, float], intrinsics: Fl
     return np.stack([right, down, z - depth_m], axis=1)
 
 
+@nb.njit(cache=True, nogil=True)
+def _places(
+    crop: F32,
+    kernels: tuple[F32, ...],
+    biases: tuple[F32, ...],
+    shape: npt.NDArray[np.int64],
+    head: F32,
+    head_bias: F32,
+    anchors: F32,
+    joints: int,
+) -> tuple[Floats, Floats]:
+    values = run_stack(crop.reshape(1, crop.shape[0], crop.shape[1], crop.shape[2]), kernels, biases, shape)
+    out = np.dot(values.reshape(-1, values.shape[3]), head)
+    found, spread = np.zeros((joints, 3)), np.zeros(joints)
+    for j in range(joints):
+        most = np.float32(-np.inf)
+        for a in range(len(anchors)):
+            most = max(most, out[a, j * N_OUTPUTS])
+        total = 0.0
+        for a in range(len(anchors)):
+            weight = np.exp(np.float64(out[a, j * N_OUTPUTS] - most))
+            total += weight
+            for k in range(3):
+                voted = np.float64(out[a, j * N_OUTPUTS + 1 + k] + head_bias[j * N_OUTPUTS + 1 + k]) * REACH_M
+                found[j, k] += weight * (voted + anchors[a, k] if k < 2 else voted)
+            spread[j] += weight * np.float64(out[a, j * N_OUTPUTS + 4] + head_bias[j * N_OUTPUTS + 4])
+        found[j] /= total
+        spread[j] = np.exp(spread[j] / total) * SPREAD_M
+    return found, spread
+
+
+@lru_cache(maxsize=4)
+def _anchors(shape: tuple[int, ...]) -> F32:
+    """Anchors of a stack with these strides."""
+    rows, columns = WHOLE.rows, WHOLE.columns
+    for stride in shape:
+        rows, columns = -(-rows // stride), -(-columns // stride)
+    return anchor_places(rows, columns)
+
+
 def places(net: CoarseNet, crop: F32) -> tuple[Floats, Floats]:
     """Places (J, 3) in the crop, see from_crop, and their spread (J,) in metres. crop: (rows, columns, 2)."""
-    values = crop[None]
-    for layer in net.convolutions:
-        values = convolve(layer, values)
-    _, rows, columns, channels = values.shape
-    out = (values.reshape(-1, channels) @ net.head + net.head_bias).reshape(-1, N_JOINTS, N_OUTPUTS)
-    weight = np.exp(out[..., 0] - out[..., 0].max(axis=0))
-    weight /= weight.sum(axis=0)
-    voted = np.einsum("aj,ajo->jo", weight, out[..., 1:])
-    voted[:, :3] *= REACH_M
-    voted[:, :2] += weight.T @ anchor_places(rows, columns)
-    return voted[:, :3].astype(np.float64), np.exp(voted[:, 3].astype(np.float64)) * SPREAD_M
+    stack = net.stack
+    anchors = _anchors(tuple(layer.stride for layer in stack.layers))
+    found, spread = _places(crop, stack.kernels, stack.biases, stack.shape, net.head, net.head_bias, anchors, N_JOINTS)
+    return found, spread
 
 
 def whole_crop(image: Pixels, centre: tuple[float, float, float], mirror: bool = False) -> F32:

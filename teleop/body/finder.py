@@ -13,7 +13,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.layers import F32, Convolution, convolve
+from teleop.body.grid import Window
+from teleop.body.layers import F32, Stack, run_stack
 
 BLOCK: Final = 4
 """The last layer answers for BLOCK x BLOCK cells of the grid at once."""
@@ -30,12 +31,12 @@ class Finder:
     deep: down to an eighth, the last ones residual. up: (deep channels, C), side: (coming channels, C) and bias (C,):
     what joins both. last: a residual convolution. head: (C, BLOCK * BLOCK), head_bias."""
 
-    coming: tuple[Convolution, ...]
-    deep: tuple[Convolution, ...]
+    coming: Stack
+    deep: Stack
     up: F32
     side: F32
     bias: F32
-    last: Convolution
+    last: Stack
     head: F32
     head_bias: F32
 
@@ -55,36 +56,52 @@ def finder_input(grid_mm: npt.NDArray[np.uint16], rows: int, columns: int) -> F3
 
 
 @nb.njit(cache=True, nogil=True)
-def _join(fine: F32, coarse: F32, bias: F32) -> F32:
-    """fine (h, w, C) plus coarse (h / 2, w / 2, C), each value over two by two, plus bias, cut at zero."""
-    h, w, channels = fine.shape
-    out = np.empty((1, h, w, channels), np.float32)
+def _run(
+    grid_mm: npt.NDArray[np.uint16],
+    rows: int,
+    columns: int,
+    coming: tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]],
+    deep: tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]],
+    last: tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]],
+    joining: tuple[F32, F32, F32],
+    head: F32,
+    head_bias: F32,
+) -> F32:
+    x = run_stack(finder_input(grid_mm, rows, columns), coming[0], coming[1], coming[2])
+    y = run_stack(x, deep[0], deep[1], deep[2])
+    up, side, bias = joining
+    _, h, w, _ = x.shape
+    fine = np.dot(x.reshape(-1, x.shape[3]), side).reshape(h, w, -1)
+    coarse = np.dot(y.reshape(-1, y.shape[3]), up).reshape(y.shape[1], y.shape[2], -1)
+    joined = np.empty((1, h, w, len(bias)), np.float32)
     for r in range(h):
         for c in range(w):
-            for k in range(channels):
-                out[0, r, c, k] = max(fine[r, c, k] + coarse[r // 2, c // 2, k] + bias[k], np.float32(0))
-    return out
-
-
-@nb.njit(cache=True, nogil=True)
-def _spread(logits: F32, rows: int, columns: int) -> F32:
-    """Probabilities (rows, columns) from logits (h, w, BLOCK * BLOCK)."""
-    out = np.empty((rows, columns), np.float32)
-    for r in range(rows):
-        for c in range(columns):
+            for k in range(len(bias)):
+                joined[0, r, c, k] = max(fine[r, c, k] + coarse[r // 2, c // 2, k] + bias[k], np.float32(0))
+    joined = run_stack(joined, last[0], last[1], last[2])
+    logits = np.dot(joined.reshape(-1, joined.shape[3]), head)
+    out = np.empty(grid_mm.shape, np.float32)
+    for r in range(grid_mm.shape[0]):
+        for c in range(grid_mm.shape[1]):
             k = (r % BLOCK) * BLOCK + c % BLOCK
-            out[r, c] = np.float32(1.0) / (np.float32(1.0) + np.exp(-logits[r // BLOCK, c // BLOCK, k]))
+            logit = logits[(r // BLOCK) * w + c // BLOCK, k] + head_bias[k]
+            out[r, c] = np.float32(1.0) / (np.float32(1.0) + np.exp(-logit))
     return out
 
 
-def person_cells(finder: Finder, grid_mm: npt.NDArray[np.uint16]) -> F32:
-    """Probability (h, w) that a cell of the decimated depth image (h, w) [mm] shows a person."""
+def person_cells(finder: Finder, grid_mm: npt.NDArray[np.uint16], window: Window | None = None) -> F32:
+    """Probability (h, w) that a cell of the decimated depth image (h, w) [mm] shows a person.
+
+    window: the part of the grid that is looked at, widened to whole multiples of cells; zero elsewhere.
+    """
+    if window is not None:
+        out = np.zeros(grid_mm.shape, np.float32)
+        (r0, c0), (r1, c1) = (np.array(window[:2]) // _MULTIPLE * _MULTIPLE, np.array(window[2:]))
+        out[r0:r1, c0:c1] = person_cells(finder, np.ascontiguousarray(grid_mm[r0:r1, c0:c1]))
+        return out
     h, w = grid_mm.shape
-    x = finder_input(grid_mm, -(-h // _MULTIPLE) * _MULTIPLE, -(-w // _MULTIPLE) * _MULTIPLE)
-    for layer in finder.coming:
-        x = convolve(layer, x)
-    y = x
-    for layer in finder.deep:
-        y = convolve(layer, y)
-    joined = convolve(finder.last, _join(x[0] @ finder.side, y[0] @ finder.up, finder.bias))
-    return _spread(joined[0] @ finder.head + finder.head_bias, h, w)
+    rows, columns = -(-h // _MULTIPLE) * _MULTIPLE, -(-w // _MULTIPLE) * _MULTIPLE
+    coming, deep, last = (s.parts() for s in (finder.coming, finder.deep, finder.last))
+    joining = (finder.up, finder.side, finder.bias)
+    cells: F32 = _run(grid_mm, rows, columns, coming, deep, last, joining, finder.head, finder.head_bias)
+    return cells

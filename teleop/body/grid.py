@@ -12,6 +12,8 @@ from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane
 
 F32 = npt.NDArray[np.float32]
+Window = tuple[int, int, int, int]
+"""First row and column of a part of the grid, and the ends of both, excluded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,15 +1,17 @@
 """Layers of a small convolutional network at run time: a few images, one thread, no framework.
 
-A convolution is an unfolding and one matrix product. Images are (N, rows, columns, channels), float32.
+A convolution is an unfolding and one matrix product. A stack of them is one compiled call that holds no lock, so that
+another thread can work meanwhile. Images are (N, rows, columns, channels), float32.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numba as nb
 import numpy as np
 import numpy.typing as npt
+import scipy.linalg  # noqa: F401 - its BLAS makes the products inside compiled code, and is to be limited below
 from threadpoolctl import ThreadpoolController
 
 F32 = npt.NDArray[np.float32]
@@ -30,29 +32,59 @@ class Convolution:
     residual: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Stack:
+    """Convolutions one after another."""
+
+    layers: tuple[Convolution, ...]
+    kernels: tuple[F32, ...] = field(init=False)
+    biases: tuple[F32, ...] = field(init=False)
+    shape: npt.NDArray[np.int64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        rows = [(layer.size, layer.stride, int(layer.residual)) for layer in self.layers]
+        object.__setattr__(self, "kernels", tuple(np.ascontiguousarray(x.kernel, np.float32) for x in self.layers))
+        object.__setattr__(self, "biases", tuple(np.ascontiguousarray(x.bias, np.float32) for x in self.layers))
+        object.__setattr__(self, "shape", np.array(rows, np.int64).reshape(-1, 3))
+
+    def parts(self) -> tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]]:
+        """What run_stack takes."""
+        return self.kernels, self.biases, self.shape
+
+    def __call__(self, images: F32) -> F32:
+        """The last layer's output (N, rows, columns, outputs); "same" padding, rows = ceil(rows / stride) a layer."""
+        if not self.layers:
+            return images
+        out: F32 = run_stack(np.ascontiguousarray(images), self.kernels, self.biases, self.shape)
+        return out
+
+
 @nb.njit(cache=True, nogil=True)
-def unfold(images: F32, size: int, stride: int, rows: int, columns: int, top: int, left: int) -> F32:
-    """Windows (N * rows * columns, size * size * channels) of the images, zero beyond their edges."""
+def _unfold(images: F32, size: int, stride: int, rows: int, columns: int, top: int, left: int, out: F32) -> None:
+    """Windows (N * rows * columns, size * size * channels) of the images, zero beyond their edges, row by row."""
     count, height, width, channels = images.shape
     run = size * channels
     wide = size * run
-    out = np.zeros(count * rows * columns * wide, np.float32)
     flat = images.reshape(-1)
     for n in range(count):
         for y in range(rows):
             for i in range(size):
                 r = y * stride + i - top
-                if r < 0 or r >= height:
-                    continue
+                outside = r < 0 or r >= height
                 for x in range(columns):
                     c = x * stride - left
                     low, high = max(-c, 0), min(size, width - c)
                     # a window's row is one run of memory; unsigned indices cannot be negative, so it is copied as one
-                    to = np.uint64(((n * rows + y) * columns + x) * wide + i * run + low * channels)
+                    begin = np.uint64(((n * rows + y) * columns + x) * wide + i * run)
+                    if outside or low > 0 or high < size:
+                        for k in range(np.uint64(run)):
+                            out[begin + k] = np.float32(0)
+                        if outside:
+                            continue
+                    to = begin + np.uint64(low * channels)
                     of = np.uint64(((n * height + r) * width + c + low) * channels)
                     for k in range(np.uint64((high - low) * channels)):
                         out[to + k] = flat[of + k]
-    return out.reshape(count * rows * columns, wide)
 
 
 @nb.njit(cache=True, nogil=True)
@@ -63,19 +95,49 @@ def rectify(values: F32, bias: F32) -> None:
             values[row, k] = max(values[row, k] + bias[k], np.float32(0))
 
 
+@nb.njit(cache=True, nogil=True)
+def _add(values: F32, more: F32) -> None:
+    for k in range(len(values)):
+        values[k] += more[k]
+
+
+@nb.njit(cache=True, nogil=True)
+def run_stack(images: F32, kernels: tuple[F32, ...], biases: tuple[F32, ...], shape: npt.NDArray[np.int64]) -> F32:
+    """All layers of a stack; arguments as in Stack."""
+    for layer in range(len(shape)):
+        size, stride, residual = shape[layer]
+        count, height, width, _ = images.shape
+        rows, columns = -(-height // stride), -(-width // stride)
+        top = max((rows - 1) * stride + size - height, 0) // 2
+        left = max((columns - 1) * stride + size - width, 0) // 2
+        kernel = kernels[layer]
+        windows = np.empty(count * rows * columns * kernel.shape[0], np.float32)
+        _unfold(images, size, stride, rows, columns, top, left, windows)
+        values = np.dot(windows.reshape(-1, kernel.shape[0]), kernel)
+        rectify(values, biases[layer])
+        if residual:
+            _add(values.reshape(-1), images.reshape(-1))
+        images = values.reshape(count, rows, columns, kernel.shape[1])
+    return images
+
+
+@nb.njit(cache=True, nogil=True)
+def run_dense(
+    values: F32, first: F32, first_bias: F32, second: F32, second_bias: F32, last: F32, last_bias: F32
+) -> F32:
+    """Three full layers over rows (N, inputs), cut at zero between them."""
+    hidden = np.dot(values, first)
+    rectify(hidden, first_bias)
+    hidden = np.dot(hidden, second)
+    rectify(hidden, second_bias)
+    out = np.dot(hidden, last)
+    for row in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            out[row, k] += last_bias[k]
+    return out
+
+
 def one_thread_products() -> None:
     """Keep matrix products of this process to one thread: these are too small to share, and threads that wait for
     each other on busy cores made them ten times slower."""
     ThreadpoolController().limit(limits=1, user_api="blas")
-
-
-def convolve(layer: Convolution, images: F32) -> F32:
-    """The layer's output (N, ceil(rows / stride), ceil(columns / stride), outputs), "same" padding."""
-    count, height, width, _ = images.shape
-    rows, columns = -(-height // layer.stride), -(-width // layer.stride)
-    top = max((rows - 1) * layer.stride + layer.size - height, 0) // 2
-    left = max((columns - 1) * layer.stride + layer.size - width, 0) // 2
-    out = unfold(images, layer.size, layer.stride, rows, columns, top, left) @ layer.kernel
-    rectify(out, layer.bias)
-    out = out.reshape(count, rows, columns, -1)
-    return out + images if layer.residual else out

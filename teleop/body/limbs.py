@@ -9,12 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+import numba as nb
 import numpy as np
 import numpy.typing as npt
 
 from teleop.body.crop import LOCAL, joint_crops
 from teleop.body.features import Pixels
-from teleop.body.layers import F32, Convolution, convolve, rectify
+from teleop.body.layers import F32, Stack, run_dense, run_stack
 from teleop.joints import JOINT_INDEX, MIRROR_JOINT, N_JOINTS
 
 STEP_M: Final = 0.1
@@ -39,16 +40,16 @@ GROUPS: Final = (
     np.array([[JOINT_INDEX[name] for name in ("shoulder_center", "head", "spine", "hip_center")]]),
 )
 """Joints (sides, LINKS) of each group: right then left, from the root outwards; together all joints."""
-_MIRROR: Final = np.array(MIRROR_JOINT)
+SWAPPED: Final = np.array(MIRROR_JOINT)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimbNet:
-    """The network of one group. convolutions: over the crop of each joint. first: (LINKS * features + 3 N_JOINTS, H1),
+    """The network of one group. stack: over the crop of each joint. first: (LINKS * features + 3 N_JOINTS, H1),
     first_bias: (H1,). second: (H1, H2), second_bias. last: (H2, 4 LINKS), last_bias: move in STEP_M and log spread of
     each joint."""
 
-    convolutions: tuple[Convolution, ...]
+    stack: Stack
     first: F32
     first_bias: F32
     second: F32
@@ -61,37 +62,100 @@ Round = tuple[LimbNet, LimbNet, LimbNet]
 """One look at all groups, in the order of GROUPS."""
 
 
-def pose_vectors(joints_m: Floats, group: int) -> F32:
-    """All joints from the root of each limb (sides, 3 N_JOINTS), for a left limb mirrored with the sides swapped."""
-    out = []
-    for side, joints in enumerate(GROUPS[group]):
-        vectors = joints_m - joints_m[joints[0]]
-        if side == 1:
-            vectors = vectors[_MIRROR] * np.array([-1.0, 1.0, 1.0])
-        out.append(vectors.reshape(-1))
-    return np.stack(out).astype(np.float32)
+@nb.njit(cache=True, nogil=True)
+def pose_vectors(joints_m: Floats, group: npt.NDArray[np.int64], turned: bool, swapped: npt.NDArray[np.int64]) -> F32:
+    """All joints from the root of each limb (sides, 3 N_JOINTS), for a left limb mirrored with the sides swapped.
+
+    turned: the other way round. swapped: (20,) each joint's mirror image.
+    """
+    count = len(joints_m)
+    out = np.empty((len(group), 3 * count), np.float32)
+    for side in range(len(group)):
+        root = joints_m[group[side, 0]]
+        mirror = (side == 1) != turned
+        for j in range(count):
+            of = joints_m[swapped[j]] if mirror else joints_m[j]
+            out[side, 3 * j] = root[0] - of[0] if mirror else of[0] - root[0]
+            out[side, 3 * j + 1] = of[1] - root[1]
+            out[side, 3 * j + 2] = of[2] - root[2]
+    return out
 
 
-def limb_crops(image: Pixels, joints_m: Floats, group: int, turned: bool = False) -> F32:
-    """Crops (sides * LINKS, rows, columns, 2) of a group's joints. turned: all of them are mirrored, in training."""
-    joints = GROUPS[group]
-    left = np.repeat(np.arange(len(joints)) == 1, LINKS) ^ turned
-    at = joints_m[joints.reshape(-1)]
-    return joint_crops(image.flat_mm, image.first, image.width, image.height, image.intrinsics, at, left, LOCAL.tuple())
+@nb.njit(cache=True, nogil=True)
+def limb_crops(
+    flat_mm: npt.NDArray[np.int16],
+    first: int,
+    width: int,
+    height: int,
+    intrinsics: Floats,
+    joints_m: Floats,
+    group: npt.NDArray[np.int64],
+    turned: bool,
+    shape: tuple[int, int, float, float, float, float],
+) -> F32:
+    """Crops (sides * LINKS, rows, columns, 2) of a group's joints (sides, LINKS); see teleop.body.crop.joint_crops.
+
+    turned: those that are not mirrored are, in training.
+    """
+    sides, links = group.shape
+    at, mirror = np.empty((sides * links, 3)), np.empty(sides * links, np.bool_)
+    for side in range(sides):
+        for link in range(links):
+            at[side * links + link] = joints_m[group[side, link]]
+            mirror[side * links + link] = (side == 1) != turned
+    return joint_crops(flat_mm, first, width, height, intrinsics, at, mirror, shape)
 
 
-def limb_moves(net: LimbNet, crops: F32, poses: F32) -> tuple[Floats, Floats]:
-    """How far the joints of N limbs are off (N, LINKS, 3) in metres, in the orientation of their crops, and the spread
-    (N, LINKS) left over. crops: (N LINKS, rows, columns, 2). poses: (N, 3 N_JOINTS)."""
-    values = crops
-    for layer in net.convolutions:
-        values = convolve(layer, values)
-    hidden = np.concatenate([values.reshape(len(poses), -1), poses], axis=1) @ net.first
-    rectify(hidden, net.first_bias)
-    hidden = hidden @ net.second
-    rectify(hidden, net.second_bias)
-    out = (hidden @ net.last + net.last_bias).reshape(len(poses), LINKS, 4).astype(np.float64)
-    return out[..., :3] * STEP_M, np.exp(out[..., 3]) * SPREAD_M
+@nb.njit(cache=True, nogil=True)
+def run_limbs(
+    crops: F32,
+    poses: F32,
+    kernels: tuple[F32, ...],
+    biases: tuple[F32, ...],
+    shape: npt.NDArray[np.int64],
+    dense: tuple[F32, F32, F32],
+    dense_biases: tuple[F32, F32, F32],
+) -> F32:
+    """The network's outputs (N, 4 LINKS) for N limbs: crops (N LINKS, rows, columns, 2), poses (N, 3 N_JOINTS)."""
+    seen = run_stack(crops, kernels, biases, shape)
+    limbs, own = len(poses), poses.shape[1]
+    features = seen.reshape(limbs, -1)
+    wide = features.shape[1]
+    values = np.empty((limbs, wide + own), np.float32)
+    values[:, :wide] = features
+    values[:, wide:] = poses
+    return run_dense(values, dense[0], dense_biases[0], dense[1], dense_biases[1], dense[2], dense_biases[2])
+
+
+@nb.njit(cache=True, nogil=True)
+def _place_group(
+    flat_mm: npt.NDArray[np.int16],
+    first: int,
+    width: int,
+    height: int,
+    intrinsics: Floats,
+    joints_m: Floats,
+    group: npt.NDArray[np.int64],
+    swapped: npt.NDArray[np.int64],
+    crop: tuple[int, int, float, float, float, float],
+    kernels: tuple[F32, ...],
+    biases: tuple[F32, ...],
+    shape: npt.NDArray[np.int64],
+    dense: tuple[F32, F32, F32],
+    dense_biases: tuple[F32, F32, F32],
+    placed_m: Floats,
+    spread_m: Floats,
+) -> None:
+    crops = limb_crops(flat_mm, first, width, height, intrinsics, joints_m, group, False, crop)
+    poses = pose_vectors(joints_m, group, False, swapped)
+    out = run_limbs(crops, poses, kernels, biases, shape, dense, dense_biases)
+    for side in range(len(group)):
+        for link in range(group.shape[1]):
+            j = group[side, link]
+            for a in range(3):
+                move = np.float64(out[side, 4 * link + a]) * STEP_M
+                placed_m[j, a] = joints_m[j, a] + (-move if side == 1 and a == 0 else move)
+            spread_m[j] = np.exp(np.float64(out[side, 4 * link + 3])) * SPREAD_M
 
 
 def before_sensor(joints_m: Floats) -> Floats:
@@ -101,21 +165,28 @@ def before_sensor(joints_m: Floats) -> Floats:
     return out
 
 
-def place_group(net: LimbNet, image: Pixels, joints_m: Floats, group: int) -> tuple[Floats, Floats]:
-    """Joints (sides, LINKS, 3) of one group placed anew, and their spread (sides, LINKS) in metres.
-
-    joints_m: (20, 3) of the stage before, see before_sensor.
-    """
-    move, spread = limb_moves(net, limb_crops(image, joints_m, group), pose_vectors(joints_m, group))
-    if len(move) == 2:
-        move[1, :, 0] *= -1.0
-    return joints_m[GROUPS[group]] + move, spread
-
-
 def place(nets: Round, image: Pixels, joints_m: Floats, groups: tuple[int, ...]) -> tuple[Floats, Floats]:
     """Joints (20, 3) and spreads (20,) with those of the named groups placed anew; the other spreads are NaN."""
     before = before_sensor(joints_m)
-    joints, spreads = joints_m.copy(), np.full(N_JOINTS, np.nan)
+    placed, spread = joints_m.copy(), np.full(N_JOINTS, np.nan)
     for group in groups:
-        joints[GROUPS[group]], spreads[GROUPS[group]] = place_group(nets[group], image, before, group)
-    return joints, spreads
+        net = nets[group]
+        _place_group(
+            image.flat_mm,
+            image.first,
+            image.width,
+            image.height,
+            image.intrinsics,
+            before,
+            GROUPS[group],
+            SWAPPED,
+            LOCAL.tuple(),
+            net.stack.kernels,
+            net.stack.biases,
+            net.stack.shape,
+            (net.first, net.second, net.last),
+            (net.first_bias, net.second_bias, net.last_bias),
+            placed,
+            spread,
+        )
+    return placed, spread

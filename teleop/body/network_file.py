@@ -12,7 +12,7 @@ from teleop.body.cascade import N_CUES, Cascade
 from teleop.body.coarse import N_OUTPUTS, CoarseNet
 from teleop.body.crop import LOCAL, WHOLE
 from teleop.body.finder import BLOCK, Finder
-from teleop.body.layers import F32, Convolution
+from teleop.body.layers import F32, Convolution, Stack
 from teleop.body.limbs import GROUP_NAMES, LINKS, LimbNet
 from teleop.joints import N_JOINTS
 
@@ -20,11 +20,11 @@ Arrays = Mapping[str, npt.NDArray[Any]]
 _DENSE = ("first", "first_bias", "second", "second_bias", "last", "last_bias")
 
 
-def _pack(name: str, layers: tuple[Convolution, ...]) -> dict[str, npt.NDArray[Any]]:
+def _pack(name: str, stack: Stack) -> dict[str, npt.NDArray[Any]]:
     out: dict[str, npt.NDArray[Any]] = {
-        f"{name}_shape": np.array([(c.size, c.stride, int(c.residual)) for c in layers], np.int32)
+        f"{name}_shape": np.array([(c.size, c.stride, int(c.residual)) for c in stack.layers], np.int32)
     }
-    for n, layer in enumerate(layers):
+    for n, layer in enumerate(stack.layers):
         out[f"{name}_kernel_{n}"], out[f"{name}_bias_{n}"] = _half(layer.kernel), layer.bias
     return out
 
@@ -41,7 +41,7 @@ def _array(data: Arrays, name: str, *shape: int) -> F32:
     return values
 
 
-def _layers(name: str, data: Arrays, inputs: int) -> tuple[tuple[Convolution, ...], int]:
+def _layers(name: str, data: Arrays, inputs: int) -> tuple[Stack, int]:
     """The convolutions and the channels that come out. Raises ValueError when they do not fit together."""
     out = []
     for n, (size, stride, residual) in enumerate(data[f"{name}_shape"].tolist()):
@@ -51,13 +51,13 @@ def _layers(name: str, data: Arrays, inputs: int) -> tuple[tuple[Convolution, ..
         kernel = _array(data, f"{name}_kernel_{n}", size * size * inputs, outputs)
         out.append(Convolution(kernel, _array(data, f"{name}_bias_{n}", outputs), size, stride, bool(residual)))
         inputs = outputs
-    return tuple(out), inputs
+    return Stack(tuple(out)), inputs
 
 
-def _features(layers: tuple[Convolution, ...], channels: int) -> int:
+def _features(stack: Stack, channels: int) -> int:
     """Values that the convolutions make of one local crop."""
     rows, columns = LOCAL.rows, LOCAL.columns
-    for layer in layers:
+    for layer in stack.layers:
         rows, columns = -(-rows // layer.stride), -(-columns // layer.stride)
     return rows * columns * channels
 
@@ -67,7 +67,7 @@ def finder_arrays(finder: Finder) -> dict[str, npt.NDArray[Any]]:
     return {
         **_pack("finder_coming", finder.coming),
         **_pack("finder_deep", finder.deep),
-        **_pack("finder_last", (finder.last,)),
+        **_pack("finder_last", finder.last),
         "finder_up": _half(finder.up),
         "finder_side": _half(finder.side),
         "finder_bias": finder.bias,
@@ -82,7 +82,7 @@ def finder_of(data: Arrays) -> Finder:
     deep, low = _layers("finder_deep", data, middle)
     joined = len(data["finder_bias"])
     last, _ = _layers("finder_last", data, joined)
-    if len(last) != 1 or not last[0].residual:
+    if len(last.layers) != 1 or not last.layers[0].residual:
         raise ValueError("the finder's last layer does not fit the one before")
     cells = BLOCK * BLOCK
     return Finder(
@@ -91,7 +91,7 @@ def finder_of(data: Arrays) -> Finder:
         up=_array(data, "finder_up", low, joined),
         side=_array(data, "finder_side", middle, joined),
         bias=_array(data, "finder_bias", joined),
-        last=last[0],
+        last=last,
         head=_array(data, "finder_head", joined, cells),
         head_bias=_array(data, "finder_head_bias", cells),
     )
@@ -100,7 +100,7 @@ def finder_of(data: Arrays) -> Finder:
 def coarse_arrays(coarse: CoarseNet) -> dict[str, npt.NDArray[Any]]:
     """All arrays, by name."""
     return {
-        **_pack("coarse", coarse.convolutions),
+        **_pack("coarse", coarse.stack),
         "coarse_head": _half(coarse.head),
         "coarse_head_bias": coarse.head_bias,
     }
@@ -116,7 +116,7 @@ def coarse_of(data: Arrays) -> CoarseNet:
 
 def limb_arrays(name: str, net: LimbNet) -> dict[str, npt.NDArray[Any]]:
     """All arrays, their names beginning with ``name``."""
-    out = _pack(name, net.convolutions)
+    out = _pack(name, net.stack)
     for part in _DENSE:
         values = getattr(net, part)
         out[f"{name}_{part}"] = values if part.endswith("bias") else _half(values)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 TRUNK: Final = tuple(JOINT_INDEX[n] for n in ("head", "shoulder_center", "shoulder_right", "shoulder_left", "spine"))
 """What must be seen for a surface to be an operator."""
-N_FEATURES: Final = 15
+N_FEATURES: Final = 14
 _ENDS: Final = np.array(BONES)
 
 
@@ -24,37 +24,35 @@ def person_features(
     parts: BodyParts,
     proposals: Proposals,
     joints_m: npt.NDArray[np.float64],
-    confidence: npt.NDArray[np.float64],
     placed: Placed | None,
     cells: float,
     bones_m: npt.NDArray[np.float64],
     focal_px: float,
 ) -> npt.NDArray[np.float64]:
-    """Cues (N_FEATURES,): confidence of the trunk and of all joints, errors of bone lengths, sharpness of the parts,
-    vote mass of the trunk, thickness of the surface (a box or a wall is flat), area, height, head above the spine; then
-    from the networks how person-like its cells are, their spreads, how far they moved joints and are from the
-    forest's, errors of bone lengths.
+    """Cues (N_FEATURES,): how person-like the cells are, sharpness of the parts, vote mass of the trunk and of all
+    joints, errors of bone lengths, thickness of the surface (a box or a wall is flat), area, height, head above the
+    spine; then from the networks their spreads, how far they moved joints and are from the forest's, errors of bone
+    lengths.
 
-    joints_m, confidence: the forest's. placed: the networks', None without. cells: see Candidate.person.
+    joints_m: the forest's. placed: the networks', None without. cells: see Candidate.person.
     """
     trunk = list(TRUNK)
-    bone_error = _bone_error(joints_m, bones_m)
     points = parts.points_m.astype(np.float64)
     area_m2 = float(((points[:, 2] * parts.stride / focal_px) ** 2).sum())
     low, high = np.quantile(points[:, 1], (0.01, 0.99))
     rise_m = joints_m[JOINT_INDEX["head"], 1] - joints_m[JOINT_INDEX["spine"], 1]
+    mass = np.log(np.clip(np.nan_to_num(proposals.scores[:, 0]), 1e-3, 10.0))
     return np.array(
         [
-            confidence[trunk].mean(),
-            confidence.mean(),
-            bone_error,
+            cells,
             float(parts.probability.max(axis=1).mean()),
-            float(np.log(np.clip(proposals.scores[trunk, 0], 1e-3, 10.0)).mean()),
+            float(mass[trunk].mean()),
+            float(mass.mean()),
+            _bone_error(joints_m, bones_m),
             float(np.sqrt(max(np.linalg.eigvalsh(np.cov(points.T))[0], 0.0))) if len(points) > 3 else 0.0,
             np.log(max(area_m2, 1e-3)),
             high - low,
             float(np.clip(np.nan_to_num(rise_m, nan=0.0), -1.0, 1.0)),
-            cells,
             *_network_features(placed, bones_m),
         ]
     )

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from teleop.body.components import Surfaces, adjacency, grow_mask, label_surfaces, measure_surfaces
 from teleop.body.finder import Finder, person_cells
 from teleop.body.floor import find_floor
-from teleop.body.grid import Grid, cloud, decimate, standing
+from teleop.body.grid import Grid, Window, cloud, decimate, standing
 from teleop.config.body import FloorConfig, SegmentationConfig
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane
@@ -51,23 +51,42 @@ def look(
     floor_config: FloorConfig,
     config: SegmentationConfig,
     beside: Executor | None = None,
+    window: Window | None = None,
 ) -> Scene:
     """Decimate the frame, find the floor and people's cells, and part what is left into surfaces.
 
-    beside: where the finder runs, while the floor is found here.
+    beside: where the finder runs, while the floor is found here. window: where alone people are looked for.
     """
     grid, near_m, far_m = decimate(frame, config.grid_columns), config.min_depth_m, config.max_depth_m
     person, seeking = None, None
     if finder is not None and beside is not None:
-        seeking = beside.submit(person_cells, finder, grid.depth_mm)
+        seeking = beside.submit(person_cells, finder, grid.depth_mm, window)
     floor = find_floor(cloud(grid, near_m, far_m), previous_floor, floor_config)
     if finder is not None:
-        person = person_cells(finder, grid.depth_mm) if seeking is None else seeking.result()
+        person = person_cells(finder, grid.depth_mm, window) if seeking is None else seeking.result()
     usable, levelled = standing(grid, near_m, far_m, floor, config.floor_clearance_m, person, config.min_person)
     labels, count = label_surfaces(grid.depth_mm, usable, config.jump_m)
     cell_per_focal = grid.step / frame.camera.depth.fx
     surfaces = measure_surfaces(labels, levelled, grid.depth_mm, person, count, cell_per_focal)
     return Scene(grid, person, labels, surfaces, floor)
+
+
+def window_round(
+    cells: npt.NDArray[np.bool_], depth_m: float, camera: Camera, config: SegmentationConfig
+) -> Window | None:
+    """The part of the grid within window_m of an operator's cells (h, w) at a depth; None where there are none."""
+    rows, columns = np.flatnonzero(cells.any(axis=1)), np.flatnonzero(cells.any(axis=0))
+    if len(rows) == 0:
+        return None
+    step = max(1, round(camera.depth.width / config.grid_columns))
+    margin = int(config.window_m * camera.depth.fx / step / max(depth_m, config.min_depth_m)) + 1
+    height, width = cells.shape
+    return (
+        max(0, int(rows[0]) - margin),
+        max(0, int(columns[0]) - margin),
+        min(height, int(rows[-1]) + 1 + margin),
+        min(width, int(columns[-1]) + 1 + margin),
+    )
 
 
 def plausible(surfaces: Surfaces, config: SegmentationConfig) -> npt.NDArray[np.bool_]:

@@ -9,15 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
-from teleop.body.cascade import see, settle, trust
+from teleop.body.cascade import Placed, settle, trust
+from teleop.body.coarse import locate
 from teleop.body.features import operator_pixels, pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
+from teleop.body.grid import Window
 from teleop.body.layers import one_thread_products
 from teleop.body.model import BodyModel
 from teleop.body.person import person_features, person_probability
-from teleop.body.segmentation import Candidate, Scene, candidate, grid_mask, look, rank
-from teleop.body.votes import propose, vote_weights
+from teleop.body.segmentation import Candidate, Scene, candidate, grid_mask, look, rank, window_round
+from teleop.body.votes import Proposals, propose, vote_weights
 from teleop.config.body import BodyConfig
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import BodyParts, FloorPlane, Skeleton, Track
@@ -39,14 +41,14 @@ class TrackerState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Single:
-    """The answer for one candidate in one frame: joints (20, 3), confidence (20,), parts, cues and probability that
-    it is a person at all."""
+    """The answer for one candidate in one frame: joints (20, 3), confidence (20,), and what they come from."""
 
     joints_m: npt.NDArray[np.float64]
     confidence: npt.NDArray[np.float64]
     parts: BodyParts
-    cues: npt.NDArray[np.float64]
-    person: float
+    forest_m: npt.NDArray[np.float64]
+    proposals: Proposals
+    placed: Placed | None
 
 
 class BodyTracker:
@@ -71,9 +73,13 @@ class BodyTracker:
         """Track one frame. Equal frames and states give equal results, bit for bit."""
         state, dt_s = self._continue(frame, state)
         reset = dt_s is None
-        scene = self._look(frame, state.floor)
+        window = self._window(frame, state)
+        scene = self._look(frame, state.floor, window)
         state = replace(state, t_ns=frame.t_ns, camera=frame.camera, floor=scene.floor)
         picked = self._pick(frame, scene, state)
+        if picked is None and window is not None:
+            scene = self._look(frame, state.floor, None)
+            picked = self._pick(frame, scene, state)
         if picked is None:
             lost = replace(state, cells=None, centre_m=None, filter=empty_state())
             return Track(frame.t_ns, None, None, scene.floor, None, None, reset), lost
@@ -89,9 +95,10 @@ class BodyTracker:
     def _pick(self, frame: DepthFrame, scene: Scene, state: TrackerState) -> tuple[Candidate, Single, bool] | None:
         """The operator among the scene's surfaces, and whether it is a new one. None: nobody.
 
-        The one who was there is kept as long as it may be a person; else the likeliest person of all is taken.
+        The one who was there is kept as long as joints are found; else the likeliest person of all is taken.
         """
         best: tuple[Candidate, Single, bool] | None = None
+        most = self.config.person.acquire
         before = state.centre_m if self.config.filter.enabled else None
         for label in rank(scene, state.cells if before is not None else None, self.config.segmentation):
             found = candidate(frame, scene, label, self.config.segmentation)
@@ -100,37 +107,42 @@ class BodyTracker:
             moved_m = np.inf if before is None else float(np.linalg.norm(found.centre_m - before))
             near = moved_m <= self.config.scene_cut_m
             single = self.estimate(frame, found, state.filter.joints_m if near else None)
-            if near and single.person >= self.config.person.keep:
+            if near and float(single.confidence.mean()) >= self.config.person.keep:
                 return found, single, False
-            if single.person >= self.config.person.acquire and (best is None or single.person > best[1].person):
-                best = found, single, True
+            person = person_probability(self.cues(frame, found, single), self.model.person_weights)
+            if person >= most:
+                best, most = (found, single, True), person
         return best
 
     def estimate(self, frame: DepthFrame, found: Candidate, previous_m: npt.NDArray[np.float64] | None) -> Single:
         """Joints of one candidate from this frame alone, helped by the last joints where given."""
-        model, camera = self.model, frame.camera
-        step = working_step(camera, self.config.forest.working_focal_px)
+        model, camera, config = self.model, frame.camera, self.config
+        cascade, seeing, placed = model.cascade, None, None
+        if cascade is not None:
+            # the coarse network runs on the second core while the forest runs on this one
+            whole = operator_pixels(frame.depth_mm, found.mask, found.box, camera)
+            seeing = self._second.submit(locate, cascade.coarse, whole)
+        step = working_step(camera, config.forest.working_focal_px)
         image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
-        stride = stride_for(found.area_px // step**2, self.config.forest.max_pixels)
-        # the networks run on the second core while the forest runs on this one
-        cascade, rounds = model.cascade, self.config.cascade.rounds
-        whole = operator_pixels(frame.depth_mm, found.mask, found.box, camera)
-        seeing = self._second.submit(see, cascade, whole, rounds) if cascade is not None else None
+        stride = stride_for(found.area_px // step**2, config.forest.max_pixels)
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
-        proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, self.config.proposals)
-        joints, confidence = assemble(proposals, model.bones_m, previous_m, self.config.skeleton)
-        placed = None
+        proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, config.proposals)
+        forest_m, confidence = assemble(proposals, model.bones_m, previous_m, config.skeleton)
+        joints = forest_m
         if cascade is not None and seeing is not None:
-            placed = settle(cascade, whole, seeing.result(), joints, rounds, self._second)
-        cues = person_features(
-            parts, proposals, joints, confidence, placed, found.person, model.bones_m, camera.depth.fx
+            placed = settle(cascade, whole, seeing.result(), forest_m, config.cascade.rounds, self._second)
+            if config.cascade.enabled:
+                confidence = trust(placed.cues, cascade.trust)
+                sure = confidence >= config.cascade.min_confidence
+                joints = np.where(sure[:, None], placed.joints_m, np.nan)
+        return Single(joints, confidence, parts, forest_m, proposals, placed)
+
+    def cues(self, frame: DepthFrame, found: Candidate, single: Single) -> npt.NDArray[np.float64]:
+        """What tells whether a candidate is a person at all, see teleop.body.person."""
+        focal_px = frame.camera.depth.fx
+        return person_features(
+            single.parts, single.proposals, single.forest_m, single.placed, found.person, self.model.bones_m, focal_px
         )
-        person = person_probability(cues, model.person_weights)
-        if cascade is not None and placed is not None and self.config.cascade.enabled:
-            confidence = trust(placed.cues, cascade.trust)
-            sure = confidence >= self.config.cascade.min_confidence
-            joints = np.where(sure[:, None], placed.joints_m, np.nan)
-        return Single(joints, confidence, parts, cues, person)
 
     def warm_up(self, camera: Camera) -> None:
         """Compile every kernel by tracking two frames of a standing shape, so that the first real frame is quick."""
@@ -142,16 +154,22 @@ class BodyTracker:
         for t_ns in (0, 33_000_000):
             frame = DepthFrame(t_ns, depth, camera)
             _, state = self.step(frame, state)
-            scene = self._look(frame, None)
+            scene = self._look(frame, None, None)
             for label in rank(scene, None, self.config.segmentation):
                 found = candidate(frame, scene, label, self.config.segmentation)
                 if found is not None:
                     self.estimate(frame, found, np.zeros((20, 3)))
 
-    def _look(self, frame: DepthFrame, floor: FloorPlane | None) -> Scene:
+    def _look(self, frame: DepthFrame, floor: FloorPlane | None, window: Window | None) -> Scene:
         """The frame's surfaces, the finder beside the floor."""
         finder = self.model.finder if self.config.cascade.finder else None
-        return look(frame, floor, finder, self.config.floor, self.config.segmentation, self._second)
+        return look(frame, floor, finder, self.config.floor, self.config.segmentation, self._second, window)
+
+    def _window(self, frame: DepthFrame, state: TrackerState) -> Window | None:
+        """Where the operator may be by now; None where nobody was."""
+        if state.cells is None or state.centre_m is None or not self.config.filter.enabled:
+            return None
+        return window_round(state.cells, float(state.centre_m[2]), frame.camera, self.config.segmentation)
 
     def _continue(self, frame: DepthFrame, state: TrackerState) -> tuple[TrackerState, float | None]:
         """The state to go on from and the seconds since; None at a new beginning (gap, time back, other camera)."""

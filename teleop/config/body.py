@@ -29,6 +29,13 @@ class SegmentationConfig(Section):
     min_depth_m: float = Field(0.5, ge=0.1, le=5, description="nearest depth used [m]; a Kinect reads from 0.5 m")
     max_depth_m: float = Field(5.0, ge=1, le=12, description="farthest depth used [m]")
     grid_columns: int = Field(160, ge=40, le=640, description="columns of the decimated grid that is labelled")
+    window_m: float = Field(
+        0.5,
+        ge=0,
+        le=5,
+        description="people are looked for this far round the operator of the last frame [m]; "
+        "a fast hand moves 0.5 m in 100 ms",
+    )
     min_person: float = Field(
         0.15, ge=0, le=1, description="cells less likely to show a person are no part of the operator [1]; measured"
     )
@@ -112,7 +119,9 @@ class PersonConfig(Section):
         0.3, ge=0, le=1, description="a surface whose cells are less likely to show a person on average is none [1]"
     )
     acquire: float = Field(0.25, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
-    keep: float = Field(0.0005, ge=0, le=1, description="probability below which the tracked operator is given up [1]")
+    keep: float = Field(
+        0.2, ge=0, le=1, description="mean confidence of the joints below which the tracked operator is given up [1]"
+    )
 
 
 class FilterConfig(Section):

@@ -25,8 +25,8 @@ from teleop.training.network import (
     check_runtime,
     convolution,
     dense,
-    folded,
     pytorch,
+    stacked,
     train,
 )
 
@@ -40,7 +40,7 @@ _WIDTHS: Final = (12, 24, 40, 16)
 class FinderSpec:
     """steps: batches of ``frames`` frames. person_weight: of a person's cells beside the others'."""
 
-    steps: int = 10_000
+    steps: int = 6_000
     frames: int = 32
     person_weight: float = 3.0
 
@@ -128,12 +128,12 @@ def runtime(model: Any) -> Finder:
     """The trained network in the form of the run time."""
     (up, up_bias), (side, side_bias), (head, head_bias) = (dense(part) for part in (model.up, model.side, model.head))
     return Finder(
-        coming=tuple(folded(block) for block in model.coming),
-        deep=tuple(folded(block, n > 0) for n, block in enumerate(model.deep)),
+        coming=stacked(model.coming),
+        deep=stacked(model.deep, range(1, len(model.deep))),
         up=up,
         side=side,
         bias=up_bias + side_bias,
-        last=folded(model.last, True),
+        last=stacked([model.last], [0]),
         head=head,
         head_bias=head_bias,
     )

@@ -21,8 +21,8 @@ from teleop.training.network import (
     check_runtime,
     convolution,
     dense,
-    folded,
     pytorch,
+    stacked,
     train,
 )
 
@@ -118,7 +118,7 @@ def vote(torch: Any, out: Any) -> tuple[Any, Any]:
 def runtime(model: Any) -> CoarseNet:
     """The trained network in the form of the run time."""
     head, bias = dense(model.head)
-    return CoarseNet(tuple(folded(block, n in _RESIDUAL) for n, block in enumerate(model.blocks)), head, bias)
+    return CoarseNet(stacked(model.blocks, _RESIDUAL), head, bias)
 
 
 def train_coarse(bodies: Bodies, spec: CoarseSpec, seed: int, progress: Progress) -> CoarseNet:

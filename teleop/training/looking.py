@@ -20,15 +20,16 @@ from teleop.body.limbs import (
     LINKS,
     SPREAD_M,
     STEP_M,
+    SWAPPED,
     LimbNet,
     Round,
     before_sensor,
     limb_crops,
-    limb_moves,
     place,
     pose_vectors,
+    run_limbs,
 )
-from teleop.joints import MIRROR_JOINT, N_JOINTS
+from teleop.joints import N_JOINTS
 from teleop.training.bodies import Bodies, Floats, thinned
 from teleop.training.build import Progress
 from teleop.training.network import (
@@ -37,12 +38,11 @@ from teleop.training.network import (
     check_runtime,
     convolution,
     dense,
-    folded,
     pytorch,
+    stacked,
     train,
 )
 
-_MIRROR: Final = np.array(MIRROR_JOINT)
 _TURN: Final = np.array([-1.0, 1.0, 1.0])
 
 
@@ -59,7 +59,7 @@ class LimbSpec:
     hidden_weight: float = 0.2
     dropout: float = 0.2
     direction: float = 0.5
-    channels: tuple[int, ...] = (16, 32, 48)
+    channels: tuple[int, ...] = (16, 32, 48, 64)
     hidden: tuple[int, int] = (192, 128)
 
 
@@ -103,15 +103,13 @@ def draw(
         joints = before_sensor(before_m[f] + rng.normal(0, spec.shift_m * rng.uniform(0, 2), (N_JOINTS, 3)))
         image: Pixels = thinned(bodies.pixels(f), spec.dropout, rng)
         turned = len(joints_of) == 1 and bool(rng.uniform() < 0.5)
-        crops.append(limb_crops(image, joints, group, turned))
-        pose = pose_vectors(joints, group)
+        place_in = (image.flat_mm, image.first, image.width, image.height, image.intrinsics)
+        crops.append(limb_crops(*place_in, joints, joints_of, turned, LOCAL.tuple()))
+        poses.append(pose_vectors(joints, joints_of, turned, SWAPPED))
         way, limb = (bodies.joints_m[f] - joints)[joints_of], joints[joints_of]
-        if turned:
-            pose = (pose.reshape(-1, N_JOINTS, 3)[:, _MIRROR] * _TURN).reshape(len(pose), -1)
-            way, limb = way * _TURN, limb * _TURN
-        elif len(joints_of) == 2:
-            way[1], limb[1] = way[1] * _TURN, limb[1] * _TURN
-        poses.append(pose)
+        for side in range(len(joints_of)):
+            if (side == 1) != turned:
+                way[side], limb[side] = way[side] * _TURN, limb[side] * _TURN
         ways.append(way)
         seen.append(limb - limb[:, :1])
         weights.append(np.where(bodies.visible[f][joints_of], 1.0, spec.hidden_weight))
@@ -161,7 +159,7 @@ def network(torch: Any, spec: LimbSpec) -> Any:
 def runtime(model: Any) -> LimbNet:
     """The trained network in the form of the run time."""
     layers = [values for layer in (model.mind[0], model.mind[2], model.mind[4]) for values in dense(layer)]
-    return LimbNet(tuple(folded(block) for block in model.eyes), *layers)
+    return LimbNet(stacked(model.eyes), *layers)
 
 
 def train_limbs(
@@ -189,6 +187,8 @@ def train_limbs(
     net = runtime(model)
     crops, poses = draw(bodies, before_m, np.arange(1), group, spec, np.random.default_rng(seed))[:2]
     with torch.no_grad():
-        out = model(channels_first(torch.from_numpy(crops)), torch.from_numpy(poses)).numpy()
-    check_runtime([limb_moves(net, crops, poses)[0]], [out[..., :3] * STEP_M], 1e-4, f"network of the {name}")
+        wanted = model(channels_first(torch.from_numpy(crops)), torch.from_numpy(poses)).flatten(1).numpy()
+    dense_layers = (net.first, net.second, net.last), (net.first_bias, net.second_bias, net.last_bias)
+    found = run_limbs(crops, poses, net.stack.kernels, net.stack.biases, net.stack.shape, *dense_layers)
+    check_runtime([found], [wanted], 1e-3, f"network of the {name}")
     return net

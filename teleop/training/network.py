@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.layers import Convolution
+from teleop.body.layers import Convolution, Stack
 from teleop.errors import ModelError
 from teleop.training.build import Progress
 
@@ -55,8 +55,13 @@ def convolution(torch: Any, inputs: int, outputs: int, size: int, stride: int) -
     )
 
 
-def folded(block: Any, residual: bool = False) -> Convolution:
-    """A trained convolution of this module in the form of the run time. residual: its input is added to its output."""
+def stacked(blocks: Sequence[Any], residual: Sequence[int] = ()) -> Stack:
+    """Trained convolutions of this module in the form of the run time. residual: the numbers of those whose input is
+    added to their output."""
+    return Stack(tuple(_folded(block, n in residual) for n, block in enumerate(blocks)))
+
+
+def _folded(block: Any, residual: bool) -> Convolution:
     _, conv, norm, _ = block
     scale = norm.weight / (norm.running_var + norm.eps).sqrt()
     kernel = (conv.weight * scale[:, None, None, None]).permute(2, 3, 1, 0).reshape(-1, conv.out_channels)

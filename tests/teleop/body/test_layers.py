@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teleop.body.layers import Convolution, convolve
+from teleop.body.layers import Convolution, Stack
 
 
 def plain(images: np.ndarray, layer: Convolution) -> np.ndarray:
@@ -31,7 +31,7 @@ def test_convolution_is_the_sum_over_its_window(size: int, stride: int, shape: t
     images = rng.normal(size=(3, *shape)).astype(np.float32)
     kernel = rng.normal(size=(size * size * shape[2], 6)).astype(np.float32)
     layer = Convolution(kernel, rng.normal(size=6).astype(np.float32), size, stride)
-    assert convolve(layer, images) == pytest.approx(plain(images, layer), abs=1e-4)
+    assert Stack((layer,))(images) == pytest.approx(plain(images, layer), abs=1e-4)
 
 
 def test_residual_layer_adds_its_input() -> None:
@@ -39,4 +39,19 @@ def test_residual_layer_adds_its_input() -> None:
     images = rng.normal(size=(1, 5, 4, 3)).astype(np.float32)
     layer = Convolution(rng.normal(size=(27, 3)).astype(np.float32), np.zeros(3, np.float32), 3, 1)
     with_input = Convolution(layer.kernel, layer.bias, 3, 1, residual=True)
-    assert convolve(with_input, images) == pytest.approx(convolve(layer, images) + images)
+    assert Stack((with_input,))(images) == pytest.approx(Stack((layer,))(images) + images)
+
+
+def test_a_stack_is_its_layers_one_after_another() -> None:
+    rng = np.random.default_rng(4)
+    images = rng.normal(size=(2, 9, 10, 2)).astype(np.float32)
+    sizes = ((2, 4, 5, 2, False), (4, 4, 3, 1, True), (4, 6, 3, 2, False))
+    layers = tuple(
+        Convolution(rng.normal(size=(k * k * i, o)).astype(np.float32), rng.normal(size=o).astype(np.float32), k, s, r)
+        for i, o, k, s, r in sizes
+    )
+    wanted = images
+    for layer in layers:
+        wanted = Stack((layer,))(wanted)
+    assert (Stack(layers)(images) == wanted).all()
+    assert Stack(())(images) is images

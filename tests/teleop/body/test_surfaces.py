@@ -3,11 +3,14 @@
 import numpy as np
 
 from teleop.body.components import adjacency, grow_mask, label_surfaces, measure_surfaces
+from teleop.body.grid import cloud, decimate, standing
+from teleop.frames import Camera, DepthFrame, kinect_v1
+from teleop.skeleton import FloorPlane
 
 
 def test_depth_step_parts_and_dropout_is_bridged() -> None:
-    depth = np.full((20, 30), 2.0, np.float32)
-    depth[:, 15:] = 2.5
+    depth = np.full((20, 30), 2000, np.uint16)
+    depth[:, 15:] = 2500
     usable = np.ones((20, 30), bool)
     usable[:, 7] = False
     labels, count = label_surfaces(depth, usable, 0.07)
@@ -18,14 +21,17 @@ def test_depth_step_parts_and_dropout_is_bridged() -> None:
 
 
 def test_measures() -> None:
-    depth = np.full((10, 10), 2.0, np.float32)
+    depth = np.full((10, 10), 2000, np.uint16)
     labels = np.zeros((10, 10), np.int32)
     v, u = np.mgrid[:10, :10].astype(np.float32)
-    points = np.stack([u * 0.1, v * 0.1, depth], axis=2)
-    s = measure_surfaces(labels, points, depth, 1, 0.05)
+    points = np.stack([u * 0.1, v * 0.1, np.full_like(u, 2.0)], axis=2)
+    person = np.full((10, 10), 0.25, np.float32)
+    s = measure_surfaces(labels, points, depth, person, 1, 0.05)
     assert s.cells[0] == 100
     np.testing.assert_allclose(s.area_m2, 100 * (0.05 * 2) ** 2)
     np.testing.assert_allclose(s.high_m[0] - s.low_m[0], [0.9, 0.9, 0], atol=1e-6)
+    np.testing.assert_allclose(s.person, 0.25)
+    np.testing.assert_allclose(measure_surfaces(labels, points, depth, None, 1, 0.05).person, 1.0)
 
 
 def test_adjacency_counts_touching_cells() -> None:
@@ -39,10 +45,34 @@ def test_mask_follows_depth_and_cuts_below_the_floor_line() -> None:
     depth = np.full((16, 16), 2000, np.uint16)
     depth[:, 8:] = 3000
     grid = np.ascontiguousarray(depth[::4, ::4])
-    chosen = grid == 2000
+    labels = np.where(grid == 2000, 0, 1).astype(np.int32)
     free = np.array([0.0, 0.0, 0.0, 1.0])
-    mask = grow_mask(depth, chosen, grid, 4, 0.07, free)
+    only_first = np.array([True, False])
+    mask, area, box = grow_mask(depth, labels, only_first, grid, 4, 0.07, free)
     assert (mask == (depth == 2000)).all()
+    assert area == 128 and box == (0, 0, 8, 16)
     # height = 1 - v / 8 at 2 m: rows from 8 on are floor
-    cut = grow_mask(depth, chosen, grid, 4, 0.07, np.array([0.0, -1 / 16, 0.0, 1.0]))
+    cut, area, box = grow_mask(depth, labels, only_first, grid, 4, 0.07, np.array([0.0, -1 / 16, 0.0, 1.0]))
     assert cut[:8, :8].all() and not cut[8:].any()
+    assert area == 64 and box == (0, 0, 8, 8)
+    nothing = grow_mask(depth, labels, np.zeros(2, bool), grid, 4, 0.07, free)
+    assert nothing[1] == 0 and not nothing[0].any()
+
+
+def test_what_stands_is_above_the_floor_and_may_be_a_person() -> None:
+    camera = Camera(kinect_v1(320, 240))
+    grid = decimate(DepthFrame(0, np.full((240, 320), 2000, np.uint16), camera), 160)
+    assert grid.step == 2 and grid.depth_mm.shape == (120, 160)
+    points = cloud(grid, 0.5, 5.0)
+    assert len(points) == 120 * 160 and np.allclose(points[:, 2], 2.0)
+    assert len(cloud(grid, 2.5, 5.0)) == 0
+    floor = FloorPlane(np.array([0.0, 1.0, 0.0]), 0.5)
+    usable, levelled = standing(grid, 0.5, 5.0, floor, 0.05, None, 0.0)
+    np.testing.assert_allclose(levelled[..., 1].reshape(-1), points[:, 1] + 0.5, atol=1e-6)
+    assert (usable == (levelled[..., 1] > 0.05)).all()
+    person = np.zeros((120, 160), np.float32)
+    person[:, 80:] = 0.5
+    some, _ = standing(grid, 0.5, 5.0, floor, 0.05, person, 0.2)
+    assert (some == usable & (person > 0.2)).all()
+    everything, _ = standing(grid, 0.5, 5.0, None, 0.05, None, 0.0)
+    assert everything.all()

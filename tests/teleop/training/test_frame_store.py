@@ -42,26 +42,26 @@ def contents(folder: Path) -> dict[str, bytes]:
 def test_a_run_that_was_cut_off_goes_on(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     pool = Here()
-    assert list(dataset.render_dataset(whole, "train", 8, 0.5, pool))[-1] == (3, 3)
-    first = dataset.render_dataset(cut, "train", 8, 0.5, pool)
+    assert list(dataset.render_dataset(whole, "train", 8, pool))[-1] == (3, 3)
+    first = dataset.render_dataset(cut, "train", 8, pool)
     assert next(first) == (0, 3)
     next(first)
     first.close()  # what an interruption does
     kept = contents(cut)
     assert len(kept) == 1
-    assert next(dataset.render_dataset(cut, "train", 8, 0.5, pool)) == (1, 3)
-    assert list(dataset.render_dataset(cut, "train", 8, 0.5, pool))[-1] == (3, 3)
+    assert next(dataset.render_dataset(cut, "train", 8, pool)) == (1, 3)
+    assert list(dataset.render_dataset(cut, "train", 8, pool))[-1] == (3, 3)
     assert contents(cut) == contents(whole)
     assert kept.items() <= contents(cut).items()
-    images = dataset.load_images(cut, "train", 8)
-    assert len(images) == 9 and (images.flat_mm < dataset.FAR_MM).any()
+    frames = dataset.read_chunk(cut, "train", 6)
+    assert len(frames) == 3 and (frames.depth_mm > 0).any()
 
     with caplog.at_level(logging.WARNING):
-        list(dataset.render_dataset(cut, "train", 8, 0.5, pool))
+        list(dataset.render_dataset(cut, "train", 8, pool))
         assert not caplog.records
         path = dataset.chunk_path(cut, "train", 3)
         with np.load(path) as data:
             arrays = dict(data)
         np.savez_compressed(path, **arrays | {"made_by": np.array("an older renderer")})
-        list(dataset.render_dataset(cut, "train", 8, 0.5, pool))
+        list(dataset.render_dataset(cut, "train", 8, pool))
     assert "1 of 3 chunks" in caplog.text

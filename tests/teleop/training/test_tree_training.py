@@ -9,8 +9,8 @@ from teleop.body.parts import MIRROR_PART, NO_PART
 from teleop.frames import Camera, kinect_v1
 from teleop.joints import MIRROR_JOINT
 from teleop.training.build import join_trees
-from teleop.training.images import Images, Pixels, draw_pixels
 from teleop.training.fitting import image_of, logistic_weights
+from teleop.training.images import Images, Pixels, draw_pixels
 from teleop.training.leaves import fill_leaves, joint_offsets, tree_leaves
 from teleop.training.trainer import Tree, TreeSpec, grow_tree
 
