@@ -9,7 +9,6 @@ Run time: the shipped model, steps switched off by their configuration, on opera
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -32,8 +31,8 @@ from teleop.evaluation.stills import Stills
 from teleop.evaluation.store import FrameStore
 from teleop.joints import N_JOINTS
 from teleop.training.build import bone_lengths, join_trees
-from teleop.training.images import Images, Pixels, draw_pixels
 from teleop.training.fitting import best_errors_m, fit_model, propose_all, walk_frames
+from teleop.training.images import Images, Pixels, draw_pixels
 from teleop.training.leaves import Leaves, fill_leaves
 from teleop.training.trainer import Tree, TreeSpec, grow_tree
 
@@ -151,19 +150,19 @@ def training_table(frames: int) -> str:
 def switched() -> dict[str, BodyConfig]:
     """Configurations of the run-time table: everything, then one step off at a time."""
     base = BodyConfig()
-    out = {"all steps": base, "no filter": single_frame(base)}
-    switches: dict[str, Callable[[BodyConfig], object]] = {
-        "no bone lengths": lambda c: c.skeleton,
-        "no networks after the forest": lambda c: getattr(c, "cascade", None),
-        "no fit of the body": lambda c: getattr(c, "fit", None),
+
+    def off(section: str, **values: object) -> BodyConfig:
+        return base.model_copy(update={section: getattr(base, section).model_copy(update=values)})
+
+    return {
+        "all steps": base,
+        "no filter": single_frame(base),
+        "no bone lengths in the forest's skeleton": off("skeleton", enabled=False),
+        "depth steps alone part people from things": off("cascade", finder=False),
+        "one look at the limbs": off("cascade", rounds=1),
+        "no look at the limbs: the coarse network alone": off("cascade", rounds=0),
+        "no networks after the forest": off("cascade", enabled=False),
     }
-    for name, of in switches.items():
-        section = of(base)
-        if section is None or not hasattr(section, "enabled"):
-            continue
-        key = next(f for f in type(base).model_fields if getattr(base, f) is section)
-        out[name] = base.model_copy(update={key: section.model_copy(update={"enabled": False})})  # type: ignore[attr-defined]
-    return out
 
 
 def run_time_table() -> str:

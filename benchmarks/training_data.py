@@ -11,10 +11,14 @@ import numpy.typing as npt
 from rich.console import Console
 from rich.progress import Progress
 
+from teleop.body.model import load_model
 from teleop.body.parts import N_PARTS
+from teleop.config.body import BodyConfig
 from teleop.parallel import open_pool
 from teleop.software import library_digest
-from teleop.training.dataset import Images, Pixels, load_images, render_dataset
+from teleop.training.bodies import load_bodies
+from teleop.training.dataset import Split, render_dataset
+from teleop.training.images import Images, Pixels, padded
 from teleop.training.leaves import Leaves, tree_leaves
 from teleop.training.recipe import PADDING_M
 from teleop.training.trainer import Tree
@@ -23,16 +27,22 @@ _FOLDER = Path("build/bench-training")
 
 
 def rendered_images(train: int, validation: int) -> tuple[Images, Images]:
-    """Training and validation images, drawn as ``teleop train`` draws them. Raises DataError without the people."""
+    """Training and validation images, drawn as ``teleop train`` draws them and cut out by the shipped finder.
+
+    Raises DataError without the people.
+    """
+    wanted: tuple[tuple[Split, int], ...] = (("train", train), ("validation", validation))
     with (
         open_pool(os.cpu_count(), None, library_digest) as pool,
         Progress(console=Console(file=sys.stderr), transient=True) as bars,
     ):
-        for split, count in (("train", train), ("validation", validation)):
+        for split, count in wanted:
             task = bars.add_task(f"rendering {split}", total=1.0)
-            for done, total in render_dataset(_FOLDER, split, count, PADDING_M, pool):  # type: ignore[arg-type]
+            for done, total in render_dataset(_FOLDER, split, count, pool):
                 bars.update(task, completed=done / total)
-    return load_images(_FOLDER, "train", train), load_images(_FOLDER, "validation", validation)
+    finder, config = load_model().finder, BodyConfig()
+    first, second = (padded(load_bodies(_FOLDER, split, count, finder, config), PADDING_M) for split, count in wanted)
+    return first, second
 
 
 def forest_answer(images: Images, pixels: Pixels, trees: list[Tree], contents: list[Leaves]) -> npt.NDArray[np.int64]:
