@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
+from teleop.body.bones import Bones, learn, straighten, unknown_bones
 from teleop.body.cascade import Placed, settle, trust
 from teleop.body.coarse import locate
 from teleop.body.features import operator_pixels, pad_image, working_step
@@ -29,13 +30,15 @@ NS: float = 1e9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackerState:
-    """What the tracker carries from frame to frame. t_ns, cells and centre_m are None before the first person."""
+    """What the tracker carries from frame to frame. t_ns, cells and centre_m are None before the first person; bones
+    are the operator's."""
 
     t_ns: int | None
     camera: Camera | None
     floor: FloorPlane | None
     cells: npt.NDArray[np.bool_] | None
     centre_m: npt.NDArray[np.float64] | None
+    bones: Bones
     filter: FilterState
 
 
@@ -67,7 +70,7 @@ class BodyTracker:
 
     def initial_state(self) -> TrackerState:
         """The state before the first frame."""
-        return TrackerState(None, None, None, None, None, empty_state())
+        return TrackerState(None, None, None, None, None, unknown_bones(), empty_state())
 
     def step(self, frame: DepthFrame, state: TrackerState) -> tuple[Track, TrackerState]:
         """Track one frame. Equal frames and states give equal results, bit for bit."""
@@ -81,16 +84,17 @@ class BodyTracker:
             scene = self._look(frame, state.floor, None)
             picked = self._pick(frame, scene, state)
         if picked is None:
-            lost = replace(state, cells=None, centre_m=None, filter=empty_state())
+            lost = replace(state, cells=None, centre_m=None, bones=unknown_bones(), filter=empty_state())
             return Track(frame.t_ns, None, None, scene.floor, None, None, reset), lost
         found, single, fresh = picked
         if fresh:
-            state = replace(state, filter=empty_state())
+            state = replace(state, bones=unknown_bones(), filter=empty_state())
+        single, bones = self._constant(single, state.bones)
         skeleton, filter_state = self._smooth(frame.t_ns, single, dt_s, state.filter)
         cut = fresh and state.centre_m is not None and self.config.filter.enabled
         track = Track(frame.t_ns, skeleton, single.parts, scene.floor, found.mask, found.box, reset or cut)
         cells = grid_mask(found, scene.grid.step)
-        return track, replace(state, cells=cells, centre_m=found.centre_m, filter=filter_state)
+        return track, replace(state, cells=cells, centre_m=found.centre_m, bones=bones, filter=filter_state)
 
     def _pick(self, frame: DepthFrame, scene: Scene, state: TrackerState) -> tuple[Candidate, Single, bool] | None:
         """The operator among the scene's surfaces, and whether it is a new one. None: nobody.
@@ -179,6 +183,15 @@ class BodyTracker:
         if not 0 < gap_s <= self.config.max_gap_s or frame.camera != state.camera:
             return self.initial_state(), None
         return state, gap_s
+
+    def _constant(self, single: Single, bones: Bones) -> tuple[Single, Bones]:
+        """The answer with the operator's own bone lengths, and what is known of them now."""
+        config = self.config.bones
+        if single.placed is None or not (config.enabled and self.config.filter.enabled):
+            return single, bones
+        spread_m = single.placed.spread_m
+        bones = learn(bones, single.joints_m, spread_m, config)
+        return replace(single, joints_m=straighten(single.joints_m, spread_m, bones, config)), bones
 
     def _smooth(
         self, t_ns: int, single: Single, dt_s: float | None, state: FilterState

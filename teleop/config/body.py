@@ -124,6 +124,19 @@ class PersonConfig(Section):
     )
 
 
+class BonesConfig(Section):
+    """Constant bone lengths, learned per operator while they are tracked."""
+
+    enabled: bool = Field(True, description="false leaves the joints where the networks place them")
+    learn_spread_m: float = Field(
+        0.015, gt=0, le=0.5, description="a bone whose ends are found this surely counts as a whole frame [m]"
+    )
+    memory_frames: float = Field(600.0, ge=1, le=1e6, description="frames that a learned length is the mean of")
+    least_frames: float = Field(10.0, ge=1, le=1e6, description="frames before a length is used")
+    tolerance_m: float = Field(0.008, gt=0, le=0.2, description="error of a learned length [m]; measured")
+    sweeps: int = Field(4, ge=1, le=50, description="passes over the bones")
+
+
 class FilterConfig(Section):
     """Temporal filter: jump gate and One-Euro (Casiez 2012)."""
 
@@ -150,6 +163,7 @@ class BodyConfig(Section):
     skeleton: SkeletonConfig = Field(default_factory=SkeletonConfig)
     cascade: CascadeConfig = Field(default_factory=CascadeConfig)
     person: PersonConfig = Field(default_factory=PersonConfig)
+    bones: BonesConfig = Field(default_factory=BonesConfig)
     filter: FilterConfig = Field(default_factory=FilterConfig)
     max_gap_s: float = Field(0.5, gt=0, le=60, description="a longer gap between two frames resets the tracker [s]")
     scene_cut_m: float = Field(

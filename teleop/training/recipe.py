@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from teleop.body.cascade import N_CUES, Cascade
+from teleop.body.finder import Finder
 from teleop.body.limbs import GROUP_NAMES, GROUPS, Round
 from teleop.body.model import BodyModel, model_arrays, model_of, save_model
 from teleop.body.network_file import (
@@ -46,8 +47,9 @@ PADDING_M: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """frames: training frames of the networks that place joints; the finder sees the first finder_frames of them, the
-    forest is grown from the first forest_frames. validation: frames the fit uses; as many again are scored, further
+    """frames: training frames of the networks that place joints; both finders see the first finder_frames of them, the
+    forest is grown from the first forest_frames. cutter: the finder that cuts training's operators out of scenes, soon
+    trained and as faulty as segmentation is; finder: the one of the tracker. validation: frames the fit uses; as many again are scored, further
     trust ones teach the confidence and, as raw frames, what is a person. seed: of all draws. workers: processes that
     render, by default one per core. scheduler: address of a Dask cluster that renders instead. rounds: looks at the
     limbs."""
@@ -61,6 +63,7 @@ class Recipe:
     workers: int | None = None
     scheduler: str | None = None
     build: BuildSpec = field(default_factory=BuildSpec)
+    cutter: FinderSpec = field(default_factory=lambda: FinderSpec(steps=6000))
     finder: FinderSpec = field(default_factory=FinderSpec)
     coarse: CoarseSpec = field(default_factory=CoarseSpec)
     rounds: tuple[tuple[LimbSpec, LimbSpec, LimbSpec], ...] = (
@@ -82,6 +85,7 @@ def shortened(recipe: Recipe, share: float) -> Recipe:
 
     return replace(
         recipe,
+        cutter=replace(recipe.cutter, steps=fewer(recipe.cutter.steps)),
         finder=replace(recipe.finder, steps=fewer(recipe.finder.steps)),
         coarse=replace(recipe.coarse, steps=fewer(recipe.coarse.steps)),
         rounds=tuple(
@@ -122,20 +126,15 @@ def train_model(recipe: Recipe, work: Path, output: Path, progress: Progress) ->
 def train_stages(recipe: Recipe, work: Path, stages: Stages, config: BodyConfig, progress: Progress) -> BodyModel:
     """Finder, forest and all networks that place joints; what is fitted on validation frames is still to come."""
     seed = recipe.seed
-    finder = stages.kept(
-        "finder",
-        (recipe.finder, recipe.finder_frames, recipe.frames, seed),
-        lambda: train_finder(
-            load_grids(work, "train", min(recipe.finder_frames, recipe.frames), recipe.workers),
-            recipe.finder,
-            seed,
-            progress,
-        ),
-        finder_arrays,
-        finder_of,
-    )
+
+    def seeing(spec: FinderSpec) -> Finder:
+        grids = load_grids(work, "train", min(recipe.finder_frames, recipe.frames), recipe.workers)
+        return train_finder(grids, spec, seed, progress)
+
+    settings = (recipe.cutter, recipe.finder_frames, recipe.frames, seed)
+    cutter = stages.kept("cutter", settings, lambda: seeing(recipe.cutter), finder_arrays, finder_of)
     progress("cutting out operators", 0.0)
-    bodies = load_bodies(work, "train", recipe.frames, finder, config, recipe.workers, recipe.forest_frames)
+    bodies = load_bodies(work, "train", recipe.frames, cutter, config, recipe.workers, recipe.forest_frames)
     progress("cutting out operators", 1.0)
     forest = stages.kept(
         "forest",
@@ -171,6 +170,7 @@ def train_stages(recipe: Recipe, work: Path, stages: Stages, config: BodyConfig,
             for group in range(len(GROUPS))
         )
         rounds.append((arms, legs, trunk))
+    finder = stages.kept("finder", recipe.finder, lambda: seeing(recipe.finder), finder_arrays, finder_of)
     return replace(forest, finder=finder, cascade=Cascade(coarse, tuple(rounds), np.zeros(N_CUES + 1)))
 
 
@@ -229,7 +229,7 @@ def card(model: BodyModel, recipe: Recipe, output: Path) -> str:
             "anybody; bodies from MakeHuman (CC0), poses random, from the CMU motion capture database or from Kinect "
             "skeletons; noise of a Kinect v1 and of other sensors",
         ),
-        ("finder", f"{f.steps} steps of {f.frames} frames"),
+        ("finder", f"{recipe.finder_frames} frames, {f.steps} steps of {f.frames}"),
         (
             "trees",
             f"{recipe.forest_frames} frames, {b.pixels} pixels a frame, {t.candidates} candidate features a node, "
