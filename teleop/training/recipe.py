@@ -49,10 +49,10 @@ PADDING_M: Final = 0.5
 class Recipe:
     """frames: training frames of the networks that place joints; both finders see the first finder_frames of them, the
     forest is grown from the first forest_frames. cutter: the finder that cuts training's operators out of scenes, soon
-    trained and as faulty as segmentation is; finder: the one of the tracker. validation: frames the fit uses; as many again are scored, further
-    trust ones teach the confidence and, as raw frames, what is a person. seed: of all draws. workers: processes that
-    render, by default one per core. scheduler: address of a Dask cluster that renders instead. rounds: looks at the
-    limbs."""
+    trained and as faulty as segmentation is; finder: the one of the tracker. validation: frames the fit uses; as many
+    again are scored, further trust ones teach the confidence and, as raw frames, what is a person. seed: of all draws.
+    workers: processes that render, by default one per core. scheduler: address of a Dask cluster that renders instead.
+    rounds: looks at the limbs."""
 
     frames: int = 160_000
     finder_frames: int = 80_000
