@@ -6,9 +6,9 @@ training sees its faults: pieces of furniture, other people, limbs that are miss
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,6 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
+import zstandard
 
 from teleop.body.features import FAR_MM, Pixels
 from teleop.body.finder import Finder
@@ -34,40 +35,43 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
-    """F canonical images cut to the operator's box, in one array; frames that show nobody are left out.
+    """F canonical images cut to the operator's box; frames that show nobody are left out.
 
-    flat_mm: all pixels, int16, FAR_MM off the operator. part: the same layout, uint8, NO_PART off the operator; may end
-    earlier.
-    starts: (F,) index of each image's first pixel. sizes: (F, 2) width and height. intrinsics: (F, 4) fx, fy, cx, cy
-    counted from the image's first pixel. joints_m: (F, 20, 3). visible: (F, 20).
+    depth: F compressed images, int16 mm row by row, FAR_MM off the operator: a tenth of their size, so that memory
+    holds them all. part: compressed labels of the first of them, uint8, NO_PART off the operator. sizes: (F, 2) width
+    and height. intrinsics: (F, 4) fx, fy, cx, cy counted from the image's first pixel. joints_m: (F, 20, 3).
+    visible: (F, 20).
     """
 
-    flat_mm: npt.NDArray[np.int16]
-    part: npt.NDArray[np.uint8]
-    starts: npt.NDArray[np.int64]
+    depth: list[bytes]
+    part: list[bytes]
     sizes: npt.NDArray[np.int64]
     intrinsics: Floats
     joints_m: Floats
     visible: npt.NDArray[np.bool_]
 
     def __len__(self) -> int:
-        return len(self.starts)
+        return len(self.depth)
 
     def image(self, frame: int) -> npt.NDArray[np.int16]:
         """The pixels of one frame, row by row."""
-        width, height = self.sizes[frame]
-        return self.flat_mm[self.starts[frame] : self.starts[frame] + width * height]
+        return np.frombuffer(zstandard.decompress(self.depth[frame]), np.int16)
+
+    def labels(self, frame: int) -> npt.NDArray[np.uint8]:
+        """The parts of one of the first frames, row by row."""
+        return np.frombuffer(zstandard.decompress(self.part[frame]), np.uint8)
 
     def pixels(self, frame: int) -> Pixels:
         """One frame as the networks see it."""
         width, height = self.sizes[frame]
-        return Pixels(self.flat_mm, int(self.starts[frame]), int(width), int(height), self.intrinsics[frame])
+        return Pixels(self.image(frame), 0, int(width), int(height), self.intrinsics[frame])
 
     def labelled(self) -> Bodies:
-        """The first frames, those whose parts are there, sharing their pixels."""
-        count = int(np.searchsorted(self.starts + self.sizes.prod(axis=1), len(self.part), side="right"))
-        rows = {f.name: getattr(self, f.name)[:count] for f in fields(self) if f.name not in ("flat_mm", "part")}
-        return Bodies(flat_mm=self.flat_mm, part=self.part, **rows)
+        """The first frames, those whose parts are there."""
+        n = len(self.part)
+        return Bodies(
+            self.depth[:n], self.part, self.sizes[:n], self.intrinsics[:n], self.joints_m[:n], self.visible[:n]
+        )
 
 
 def operator_mask(frames: Frames, f: int, finder: Finder | None, config: BodyConfig) -> npt.NDArray[np.bool_] | None:
@@ -89,6 +93,7 @@ def operator_mask(frames: Frames, f: int, finder: Finder | None, config: BodyCon
 
 def cut(frames: Frames, finder: Finder | None, config: BodyConfig) -> Bodies:
     """The operators of these frames."""
+    squeeze = zstandard.ZstdCompressor(level=1)
     images, parts, sizes, intrinsics, kept = [], [], [], [], []
     for f in range(len(frames)):
         mask = None if frames.kind[f] == Kind.NOBODY else operator_mask(frames, f, finder, config)
@@ -103,48 +108,59 @@ def cut(frames: Frames, finder: Finder | None, config: BodyConfig) -> Bodies:
         cx = k.cx - columns[0]
         if not camera.mirrored:
             image, part, cx = image[:, ::-1], part[:, ::-1], width - 1 - cx
-        images.append(np.ascontiguousarray(image).reshape(-1))
-        parts.append(np.ascontiguousarray(part).reshape(-1))
+        images.append(squeeze.compress(image.tobytes()))
+        parts.append(squeeze.compress(part.tobytes()))
         sizes.append((width, height))
         intrinsics.append((k.fx, k.fy, cx, k.cy - rows[0]))
         kept.append(f)
-    lengths = [len(image) for image in images]
     return Bodies(
-        flat_mm=np.concatenate([*images, np.zeros(0, np.int16)]),
-        part=np.concatenate([*parts, np.zeros(0, np.uint8)]),
-        starts=np.cumsum([0, *lengths])[:-1].astype(np.int64),
-        sizes=np.array(sizes, np.int64).reshape(-1, 2),
-        intrinsics=np.array(intrinsics).reshape(-1, 4),
-        joints_m=frames.joints_m[kept],
-        visible=frames.visible[kept],
+        images,
+        parts,
+        np.array(sizes, np.int64).reshape(-1, 2),
+        np.array(intrinsics).reshape(-1, 4),
+        frames.joints_m[kept],
+        frames.visible[kept],
     )
 
 
 def _cut_chunk(folder: Path, split: Split, finder: Finder | None, config: BodyConfig, parts: int, first: int) -> Bodies:
     bodies = cut(read_chunk(folder, split, first), finder, config)
-    return bodies if first < parts else replace(bodies, part=bodies.part[:0])
-
-
-def _one_array(pieces: list[npt.NDArray[Any]]) -> npt.NDArray[Any]:
-    """The pieces as one array; each is let go when it has been copied, so that memory holds them once."""
-    out = np.empty((sum(len(piece) for piece in pieces), *pieces[0].shape[1:]), pieces[0].dtype)
-    at = 0
-    while pieces:
-        piece = pieces.pop(0)
-        out[at : at + len(piece)] = piece
-        at += len(piece)
-    return out
+    return bodies if first < parts else replace(bodies, part=[])
 
 
 def joined(chunks: Iterable[Bodies]) -> Bodies:
     """Bodies of many chunks as one."""
-    rows: dict[str, list[Any]] = {f.name: [] for f in fields(Bodies)}
-    base = 0
-    for chunk in chunks:
-        for name, column in rows.items():
-            column.append(chunk.starts + base if name == "starts" else getattr(chunk, name))
-        base += len(chunk.flat_mm)
-    return Bodies(**{name: _one_array(column) for name, column in rows.items()})
+    many = list(chunks)
+    return Bodies(
+        [one for c in many for one in c.depth],
+        [one for c in many for one in c.part],
+        np.concatenate([c.sizes for c in many]),
+        np.concatenate([c.intrinsics for c in many]),
+        np.concatenate([c.joints_m for c in many]),
+        np.concatenate([c.visible for c in many]),
+    )
+
+
+def bodies_arrays(bodies: Bodies) -> dict[str, npt.NDArray[Any]]:
+    """All arrays, by name."""
+    out: dict[str, npt.NDArray[Any]] = {
+        name: getattr(bodies, name) for name in ("sizes", "intrinsics", "joints_m", "visible")
+    }
+    for name, images in (("depth", bodies.depth), ("part", bodies.part)):
+        out[name] = np.frombuffer(b"".join(images), np.uint8)
+        out[f"{name}_ends"] = np.cumsum([len(one) for one in images], dtype=np.int64)
+    return out
+
+
+def bodies_of(data: Mapping[str, npt.NDArray[Any]]) -> Bodies:
+    """The bodies of such arrays."""
+
+    def pieces(name: str) -> list[bytes]:
+        ends = data[f"{name}_ends"]
+        starts = np.concatenate([np.zeros(1, np.int64), ends[:-1]])
+        return [data[name][a:b].tobytes() for a, b in zip(starts, ends, strict=True)] if len(ends) else []
+
+    return Bodies(pieces("depth"), pieces("part"), data["sizes"], data["intrinsics"], data["joints_m"], data["visible"])
 
 
 def load_bodies(
@@ -168,6 +184,5 @@ def thinned(image: Pixels, share: float, rng: np.random.Generator) -> Pixels:
     """The image with up to half of its pixels lost, in a share of the calls."""
     if rng.uniform() >= share:
         return image
-    flat = image.flat_mm[image.first : image.first + image.width * image.height]
-    lost = rng.random(len(flat), np.float32) < rng.uniform(0.0, 0.5)
-    return replace(image, flat_mm=np.where(lost, np.int16(FAR_MM), flat), first=0)
+    lost = rng.random(len(image.flat_mm), np.float32) < rng.uniform(0.0, 0.5)
+    return replace(image, flat_mm=np.where(lost, np.int16(FAR_MM), image.flat_mm))

@@ -49,11 +49,10 @@ def padded(bodies: Bodies, max_offset_m: float) -> Images:
     flat_mm, part = np.full(starts[-1], FAR_MM, np.int16), np.full(starts[-1], NO_PART, np.uint8)
     for f in range(len(bodies)):
         (width, height), pad = bodies.sizes[f], pads[f]
-        own = slice(bodies.starts[f], bodies.starts[f] + width * height)
         inner = np.s_[pad : pad + height, pad : pad + width]
-        for whole, inside in ((flat_mm, bodies.flat_mm), (part, bodies.part)):
+        for whole, inside in ((flat_mm, bodies.image(f)), (part, bodies.labels(f))):
             image = whole[starts[f] : starts[f + 1]].reshape(sizes[f, 1], sizes[f, 0])
-            image[inner] = inside[own].reshape(height, width)
+            image[inner] = inside.reshape(height, width)
     return Images(
         flat_mm=flat_mm,
         part=part,

@@ -28,7 +28,7 @@ from teleop.config.body import BodyConfig
 from teleop.errors import ModelError
 from teleop.parallel import open_pool
 from teleop.software import library_digest
-from teleop.training.bodies import Bodies, load_bodies
+from teleop.training.bodies import Bodies, bodies_arrays, bodies_of, load_bodies
 from teleop.training.build import BuildSpec, Progress, build_model
 from teleop.training.dataset import CHUNK, Frames, Split, read_chunk, render_dataset
 from teleop.training.finding import FinderSpec, load_grids, train_finder
@@ -133,9 +133,14 @@ def train_stages(recipe: Recipe, work: Path, stages: Stages, config: BodyConfig,
 
     settings = (recipe.cutter, recipe.finder_frames, recipe.frames, seed)
     cutter = stages.kept("cutter", settings, lambda: seeing(recipe.cutter), finder_arrays, finder_of)
-    progress("cutting out operators", 0.0)
-    bodies = load_bodies(work, "train", recipe.frames, cutter, config, recipe.workers, recipe.forest_frames)
-    progress("cutting out operators", 1.0)
+    bodies = stages.kept(
+        "operators",
+        (config.segmentation, config.floor, recipe.forest_frames),
+        lambda: load_bodies(work, "train", recipe.frames, cutter, config, recipe.workers, recipe.forest_frames),
+        bodies_arrays,
+        bodies_of,
+    )
+    progress("operators cut out", 1.0)
     forest = stages.kept(
         "forest",
         (recipe.build, recipe.forest_frames),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from teleop.config.body import BodyConfig
 from teleop.data import data_root
 from teleop.joints import JOINT_INDEX
 from teleop.people.scenes import sample_scene
-from teleop.training.bodies import Bodies, cut, joined
+from teleop.training.bodies import Bodies, bodies_arrays, bodies_of, cut, joined
 from teleop.training.dataset import Frames, Kind
 from teleop.training.finding import Grids
 from teleop.training.finding import draw as draw_grids
@@ -60,7 +62,7 @@ def test_frames_without_anybody_are_left_out_and_scenes_are_segmented(frames: Fr
     assert len(found) <= 3
     for f in range(len(found)):
         image = found.image(f)
-        own = found.part[found.starts[f] : found.starts[f] + len(image)] != NO_PART
+        own = found.labels(f) != NO_PART
         assert (image[own] < FAR_MM).all()
 
 
@@ -68,8 +70,7 @@ def test_joints_lie_on_the_pixels_of_their_parts(bodies: Bodies) -> None:
     seen = 0
     for f in range(len(bodies)):
         pixels = bodies.pixels(f)
-        part = bodies.part[pixels.first : pixels.first + pixels.width * pixels.height]
-        part = part.reshape(pixels.height, pixels.width)
+        part = bodies.labels(f).reshape(pixels.height, pixels.width)
         fx, fy, cx, cy = pixels.intrinsics
         for name in ("head", "spine", "shoulder_right", "shoulder_left"):
             j = JOINT_INDEX[name]
@@ -97,6 +98,9 @@ def test_chunks_are_joined_and_their_labels_may_end_earlier(bodies: Bodies) -> N
     assert len(twice) == 2 * len(bodies)
     assert (twice.image(len(bodies)) == bodies.image(0)).all()
     assert len(twice.labelled()) == len(twice)
+    again = bodies_of(bodies_arrays(replace(twice, part=twice.part[:1])))
+    assert len(again) == len(twice) and len(again.labelled()) == 1
+    assert (again.image(len(bodies)) == bodies.image(0)).all() and (again.labels(0) == bodies.labels(0)).all()
 
 
 def test_crops_point_back_to_the_true_joints(bodies: Bodies) -> None:
