@@ -40,7 +40,7 @@ _WIDTHS: Final = (12, 24, 40, 16)
 class FinderSpec:
     """steps: batches of ``frames`` frames. person_weight: of a person's cells beside the others'."""
 
-    steps: int = 30_000
+    steps: int = 20_000
     frames: int = 32
     person_weight: float = 3.0
 

@@ -37,7 +37,7 @@ class CoarseSpec:
     hidden_weight: of joints that are not visible. dropout: share of the frames of which some pixels go.
     cut: share of which everything below some row goes."""
 
-    steps: int = 30_000
+    steps: int = 20_000
     frames: int = 64
     shift_m: tuple[float, float, float] = (0.06, 0.08, 0.08)
     hidden_weight: float = 0.25

@@ -53,7 +53,7 @@ class LimbSpec:
     pixels go. direction: weight of the directions of the bones beside the places of the joints. channels, hidden:
     sizes of the network."""
 
-    steps: int = 25_000
+    steps: int = 15_000
     frames: int = 40
     shift_m: float = 0.006
     hidden_weight: float = 0.2

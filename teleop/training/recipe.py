@@ -67,8 +67,8 @@ class Recipe:
     finder: FinderSpec = field(default_factory=FinderSpec)
     coarse: CoarseSpec = field(default_factory=CoarseSpec)
     rounds: tuple[tuple[LimbSpec, LimbSpec, LimbSpec], ...] = (
-        (LimbSpec(), LimbSpec(steps=10_000), LimbSpec(steps=10_000)),
-        (LimbSpec(), LimbSpec(steps=10_000), LimbSpec(steps=10_000)),
+        (LimbSpec(), LimbSpec(steps=7_000), LimbSpec(steps=6_000)),
+        (LimbSpec(), LimbSpec(steps=7_000), LimbSpec(steps=6_000)),
     )
 
     @property
