@@ -28,7 +28,7 @@ from teleop.people.truth import truth_row
 from teleop.people.view import sensor_view
 from teleop.pipeline import Pipeline
 from teleop.recording import McapSource
-from teleop.sources.virtual import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
+from teleop.sources.virtual_options import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
 
 FPS, SIZE = 12.0, (320, 240)
 LEAST_S = 0.7

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from teleop.angles import Vector
 from teleop.config.intent import EngageConfig
@@ -33,6 +34,10 @@ def engage_pose(skeleton: Skeleton, angles: BodyAngles, hands: Hands, config: En
     return all(hand_beside_head(skeleton, side, elbow_deg[side], config) for side in SIDES)
 
 
+PALM: Final = 1.3
+"""The palm's middle, at this share of the forearm from the elbow (Winter 2009: hand 0.108, forearm 0.146 tall)."""
+
+
 def _sides_of(a: Vector, b: Vector, p: Vector) -> float:
     return float((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]))
 
@@ -52,7 +57,9 @@ def forearms_crossed(skeleton: Skeleton, config: EngageConfig) -> bool:
     passed_m = wrist_l[0] - wrist_r[0]
     low, high = hip[1] + 0.25 * (neck[1] - hip[1]), neck[1] + 0.10
     at_chest = all(low <= wrist[1] <= high for wrist in (wrist_r, wrist_l))
-    return bool(passed_m >= config.crossed_m and at_chest and segments_cross(elbow_r, wrist_r, elbow_l, wrist_l))
+    # a forearm reaches to the palm: arms that cross at their wrists are crossed whatever a centimetre of noise says
+    palm_r, palm_l = (elbow + PALM * (wrist - elbow) for elbow, wrist in ((elbow_r, wrist_r), (elbow_l, wrist_l)))
+    return bool(passed_m >= config.crossed_m and at_chest and segments_cross(elbow_r, palm_r, elbow_l, palm_l))
 
 
 @dataclass(frozen=True, slots=True)

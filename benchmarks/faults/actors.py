@@ -13,7 +13,7 @@ from teleop.people.body import skin
 from teleop.people.builtin import builtin_body
 from teleop.people.clothes import dress
 from teleop.people.motion import ArmKey, Key, Motion
-from teleop.people.pose import pose_rig
+from teleop.people.pose import pose_rig, unit
 from teleop.people.room import greenhouse_room
 from teleop.people.scene import Figure, shoot, stand
 from teleop.people.sensor import sense
@@ -21,13 +21,14 @@ from teleop.people.shade import Light
 from teleop.people.shape import Shape
 from teleop.people.story import FIST, OPEN, arm, hanging
 from teleop.people.view import sensor_view
-from teleop.sources.virtual import SENSOR_HEIGHT_M, SENSOR_TILT_RAD, WORK_CLOTHES
+from teleop.sources.virtual_options import SENSOR_HEIGHT_M, SENSOR_TILT_RAD, WORK_CLOTHES
 
 CAMERA: Final = Camera(kinect_v1(320, 240))
 VARIANTS: Final = 3
 """Pictures of each pose, each with its own sensor noise."""
 
 
+_FRONT: Final = np.array([0.0, 0.0, -1.0])
 HANGING: Final = (hanging(1), hanging(-1))
 
 
@@ -46,14 +47,23 @@ class Pose:
 
 REACH: Final = {"right": arm(1, 45, 5, 130, curl=OPEN), "left": arm(-1, 30, 5, 100, curl=OPEN)}
 GRASP: Final = {"right": arm(1, 45, 5, 130, curl=FIST), "left": arm(-1, 30, 5, 100, curl=OPEN)}
-POSES: Final = {
+CROSSED: Final = {
+    side: ArmKey(unit(np.array([-0.1 * sign, -0.86, -0.5])), unit(np.array([-0.87 * sign, 0.4, -0.3])), _FRONT, FIST)
+    for side, sign in (("right", 1.0), ("left", -1.0))
+}
+"""Forearms crossed before the chest."""
+_ZONES: Final = {
     "picking": Pose(**REACH, apart_deg=24.0),
     "spraying": Pose(**REACH),
-    "spraying, fist": Pose(**GRASP),
     "forward": Pose(z_m=1.66),
     "back": Pose(z_m=3.1),
     "left": Pose(x_m=-0.62),
     "right": Pose(x_m=0.62),
+}
+POSES: Final = {
+    **_ZONES,
+    **{f"{mode}, forearms crossed": replace(pose, **CROSSED) for mode, pose in _ZONES.items()},
+    "spraying, fist": Pose(**GRASP),
     "forward, second person": Pose(z_m=1.66, second=(0.95, 2.9)),
     "picking, second person": Pose(**REACH, apart_deg=24.0, second=(1.0, 2.9)),
     "outside": Pose(x_m=1.25, z_m=3.0),

@@ -227,6 +227,10 @@ FAULTS: Final[tuple[Fault, ...]] = (
     Fault("two sources command at once", "picking", _two_sources, "steady", ("refused.request_operator_engaged",)),
     Fault("two clients command at once", "picking", _two_clients, "steady", ("lease",)),
     Fault("camera unplugged", "forward", Stage.unplug, "still", ("stop.source_failed",)),
+    *(
+        Fault("forearms crossed", mode, _other_pose(f"{mode}, forearms crossed"), "still", ("stop.body",))
+        for mode in ACTING
+    ),
     *(Fault("emergency stop", mode, _estop, "still", ("stop.estop",)) for mode in (*ACTING, *IDLE)),
     Fault("emergency stop, then its reset", "picking", _estop_and_reset, "still", ("mode.estop_reset",)),
     Fault("engage during an emergency stop", "seen", _estop_and_engage, "still", ("refused.engage_estop",)),

@@ -289,7 +289,7 @@ class EngageConfig(Section):
         default=0.3, ge=0.05, le=5.0, description="forearms crossed this long stop everything [s]; spec section 3"
     )
     crossed_m: float = Field(
-        default=0.06, ge=0.0, le=0.5, description="how far the wrists must have passed each other [m]; ours"
+        default=0.04, ge=0.0, le=0.5, description="how far the wrists must have passed each other [m]; ours"
     )
     hold_progress: float = Field(
         default=0.05, ge=0.0, le=1.0, description="the arms hold once the gesture has come this far [1]; ours"
