@@ -43,7 +43,7 @@ def amber(page: Page) -> int:
 
 def test_the_nearest_fruit_is_previewed_confirmed_and_boxed(still: Page, server: ConsoleServer) -> None:
     before, joints = amber(still), server.state()["robot"]["joints"]
-    still.get_by_role("button", name="Show the path to the nearest ripe fruit").click()
+    still.get_by_role("button", name="Pick the nearest ripe fruit: show the path").click()
     card = still.locator(".pick")
     expect(card).to_have_attribute("data-task", "preview")
     expect(card.locator("strong")).to_have_text(re.compile(r"^Cucumber \d\.\d$"))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from teleop.body.finder import Finder, person_cells
 from teleop.body.model import load_model
+from teleop.body.tracker import BodyTracker
+from teleop.config.body import BodyConfig
 from teleop.sources.virtual import open_virtual
 
 
@@ -34,9 +38,12 @@ def test_the_operator_is_found_and_the_room_is_not(finder: Finder, grid_mm: np.n
     assert np.quantile(depth, 0.9) - np.quantile(depth, 0.1) < 0.7  # one body, no wall and no floor
 
 
-def test_an_empty_image_holds_nobody(finder: Finder) -> None:
-    assert (person_cells(finder, np.zeros((120, 160), np.uint16)) < 0.5).all()
-    assert (person_cells(finder, np.full((120, 160), 2500, np.uint16)) < 0.5).mean() > 0.95
+@pytest.mark.parametrize("wall_mm", [0, 1500, 2500, 4000])
+def test_an_empty_image_holds_nobody(wall_mm: int) -> None:
+    frame = open_virtual("builtin,fps=15").performance.take(60).frame
+    bare = replace(frame, depth_mm=np.full_like(frame.depth_mm, wall_mm))
+    tracker = BodyTracker(load_model(), BodyConfig())
+    assert tracker.step(bare, tracker.initial_state())[0].skeleton is None
 
 
 def test_in_a_window_the_operator_is_found_as_in_the_whole(finder: Finder, grid_mm: np.ndarray) -> None:

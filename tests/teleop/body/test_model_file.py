@@ -43,5 +43,5 @@ def test_index_out_of_range_is_refused(tmp_path: Path) -> None:
     children = model.children.copy()
     children[0] = len(children) + 5
     save_model(replace(model, children=children), tmp_path / "bad.npz")
-    with pytest.raises(ModelError, match="damaged"):
+    with pytest.raises(ModelError, match="do not fit"):
         load_model(tmp_path / "bad.npz")

@@ -49,6 +49,7 @@ INPUTS = st.builds(
     st.booleans(),
     st.booleans(),
     st.none() | REQUEST,
+    st.just(()),
     st.none() | st.integers(0, 1 << 62),
 )
 

@@ -433,7 +433,7 @@ export const en = {
   "reason.lease.lapsed": "Control lapsed: no sign of",
 
   "task.nearest": "Pick the nearest ripe fruit",
-  "task.nearest.title": "Show the path to the nearest ripe fruit (G)",
+  "task.nearest.title": "Pick the nearest ripe fruit: show the path (G)",
   "task.hint": "or click a fruit",
   "task.start": "Pick it",
   "task.end": "End",

@@ -408,7 +408,7 @@ export const zh: Record<keyof typeof en, string> = {
   "reason.lease.taken": "控制权被接管：",
   "reason.lease.lapsed": "控制权失效，无响应：",
   "task.nearest": "采摘最近的成熟果实",
-  "task.nearest.title": "显示到最近成熟果实的路径（G）",
+  "task.nearest.title": "采摘最近的成熟果实：显示路径（G）",
   "task.hint": "或点击一个果实",
   "task.start": "开始采摘",
   "task.end": "结束",
