@@ -23,6 +23,7 @@ from robot_sim.reasons import RobotReason
 from robot_sim.servo import driven, exact
 from robot_sim.spray import LIQUIDS, SprayState, canopy, coverage, fresh, missed_share, spray, wet_share, wrong_share
 from robot_sim.standing import standing_place
+from robot_sim.start_config import Start
 from robot_sim.state import RobotState
 from robot_sim.urdf import robot_urdf
 from robot_sim.urdf_parts_tools import NOZZLE_M
@@ -298,19 +299,19 @@ class World:
         for _ in range(TICK_HZ // 4):
             self._tick()
         self._log = RunLog(self.state())
-        if self.config.start.beside_fruit is not None:
-            self._go_to_start(self.config.start.beside_fruit, self.config.start.off_m)
+        if self.config.start != Start():
+            self._go_to_start(self.config.start)
 
-    def _go_to_start(self, name: str, off_m: float) -> None:
+    def _go_to_start(self, start: Start) -> None:
         """On its own tracks and lift, as everything the robot does; none of it counts."""
-        fruit = next((f for f in self.fruits if f.name == name), None)
-        if fruit is None:
-            names = ", ".join(f.name for f in self.fruits)
-            raise RobotError(f"robot.start: no fruit '{name}'; there are: {names}")
-        x_m, lift_m = standing_place(fruit, self.config)
         most, state = 0.5 * self.config.chassis.drive_m_s, self.state()
+        x_m, lift_m = 0.0, state.joint_rad["lift"]
+        if start.beside_fruit is not None:
+            x_m, lift_m = standing_place(self._fruit(start.beside_fruit), self.config)
+        limits = self.config.body.lift
+        x_m, lift_m = x_m - start.off_m, min(max(lift_m + start.lift_off_m, limits.lower), limits.upper)
         while state.sim_time_s < START_PATIENCE_S:
-            ahead = x_m - off_m - state.base_x_m
+            ahead = x_m - state.base_x_m
             there = abs(ahead) < ARRIVED_M and abs(state.drive_m_s) < ARRIVED_M
             if there and abs(state.joint_rad["lift"] - lift_m) < ARRIVED_M:
                 break
@@ -318,6 +319,13 @@ class World:
             state = self.step(RobotCommand(t_ns=0, drive_m_s=drive, lift_m=lift_m), START_PERIOD_S)
         self._ticks, self._carried_s, self._reasons = 0, 0.0, ()
         self._log = RunLog(self.state())
+
+    def _fruit(self, name: str) -> Fruit:
+        fruit = next((f for f in self.fruits if f.name == name), None)
+        if fruit is None:
+            names = ", ".join(f.name for f in self.fruits)
+            raise RobotError(f"robot.start: no fruit '{name}'; there are: {names}")
+        return fruit
 
     def _build(self) -> None:
         client = self._client
