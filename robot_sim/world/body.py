@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pybullet
 
-from robot_sim.actuators import JOINTS, WHEELS, axes
+from robot_sim.actuators import JOINT_INDEX, JOINTS, WHEELS, axes
 from robot_sim.config import RobotConfig
 from robot_sim.limiter import Setpoints
 from robot_sim.urdf import robot_urdf
@@ -19,6 +19,8 @@ from robot_sim.urdf_parts_chassis import OUTER_WHEELS
 from robot_sim.world.client import Client
 
 F64 = npt.NDArray[np.float64]
+PINION_N, PINION_SHARE = 200.0, 0.2
+"""What the gripper's pinion bears, well above the jaws' motors, and the share of an error it removes in a tick."""
 ALL_JOINTS: tuple[str, ...] = (*JOINTS, *WHEELS)
 
 
@@ -86,6 +88,15 @@ class RobotBody:
         for name in OUTER_WHEELS:
             client.changeDynamics(self.id, self.links[name], anisotropicFriction=[1.0, across, 1.0])
         self.set_joints([(axis.home, 0.0) for axis in axes(config)])
+        self._couple("gripper_left", "gripper_right")
+
+    def _couple(self, one: str, other: str) -> None:
+        """Tie two sliding jaws together, as the pinion between two racks does: what they hold is in their middle."""
+        numbers = [self._joints[JOINT_INDEX[name]] for name in (one, other)]
+        gear = self._client.createConstraint(
+            self.id, numbers[0], self.id, numbers[1], pybullet.JOINT_GEAR, [0, 1, 0], [0, 0, 0], [0, 0, 0]
+        )
+        self._client.changeConstraint(gear, gearRatio=-1, maxForce=PINION_N, erp=PINION_SHARE)
 
     def follow(self, setpoints: Setpoints, driven: Sequence[float], left_m_s: float, right_m_s: float) -> None:
         """Set all motors: servos to where they are driven, tracks to their speeds over the floor [m/s]."""
