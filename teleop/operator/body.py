@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from teleop.operator.reach import Reach, resting
-from teleop.people.motion import ArmKey, Moment, Stance, sway_phases, swayed
+from teleop.people.motion import ArmKey, Key, Moment, Walk, acted, sway_phases
 from teleop.people.pose import unit
 from teleop.people.rig import Floats
 
@@ -127,17 +127,17 @@ class Body:
         place, velocity, _ = self.parts["place"].at(t_s)
         step = np.hypot(*(place - self.parts["place"].at(self.seen_s)[0]))
         after = replace(self, walked_m=self.walked_m + float(step), seen_s=t_s)
-        stance = Stance(
+        key = Key(
+            t_s=t_s,
             x_m=float(place[0]),
             z_m=float(place[1]),
-            velocity_m_s=velocity,
-            walked_m=after.walked_m,
             turn_rad=0.0,
             right=self._arm_at("right", 1.0, t_s),
             left=self._arm_at("left", -1.0, t_s),
             apart_rad=float(np.radians(self.parts["legs"].at(t_s)[0][0])),
         )
-        return swayed(stance, t_s, self.phase), after
+        walk = Walk((float(velocity[0]), float(velocity[1])), float(np.hypot(*velocity)), after.walked_m)
+        return acted(key, walk, self.phase), after
 
     def done(self, name: str, t_s: float) -> bool:
         """Whether a part has come to rest, as its owner feels."""

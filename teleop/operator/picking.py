@@ -112,7 +112,9 @@ def best_pose(mind: Picker, view: ConsoleView, t_s: float, upper_deg: Sequence[f
 
     The upper arm takes one of some steps, the elbow does the rest; a level forearm is better than a steep one.
     """
-    goal = grip_point_m(view, mind.scenery, mind.fruit, mind.config) + mind.traits.eye.error_m(t_s) + [0.0, 0.0, _SINKS_M]
+    goal = (
+        grip_point_m(view, mind.scenery, mind.fruit, mind.config) + mind.traits.eye.error_m(t_s) + [0.0, 0.0, _SINKS_M]
+    )
     best, least = ArmTarget(_UPPER_DEG[0], 0.0, 135.0), np.inf
     for c1 in upper_deg:
         for elbow in _ELBOW_DEG:
@@ -250,7 +252,9 @@ def _fist_again(mind: Picker, t_s: float) -> float:
 
 def _drop(mind: Picker, view: ConsoleView, _body: Body, t_s: float) -> Picker:
     """Done when the fruit is seen to have fallen; one that still hangs is picked anew."""
-    hangs = np.linalg.norm(grip_point_m(view, mind.scenery, mind.fruit, mind.config) - gripper_m(view, mind.config)) < 0.08
+    hangs = (
+        np.linalg.norm(grip_point_m(view, mind.scenery, mind.fruit, mind.config) - gripper_m(view, mind.config)) < 0.08
+    )
     if hangs and t_s - mind.since_s > _RETRY_S:
         return _enter(mind, Stage.AIM, t_s, right_curl=OPEN, left_curl=OPEN)
     return mind

@@ -51,7 +51,6 @@ class Moment:
     curl: tuple[float, float]
 
 
-<<<<<<< HEAD
 @dataclass(frozen=True, slots=True)
 class Walk:
     """Which way (x, z; any length) and how fast somebody walks, and how far they have walked altogether."""
@@ -59,20 +58,6 @@ class Walk:
     way_m: tuple[float, float] = (0.0, 0.0)
     speed_m_s: float = 0.0
     walked_m: float = 0.0
-=======
-@dataclass(frozen=True, slots=True, eq=False)
-class Stance:
-    """The operator at one instant, before sway: place, velocity (2,) over the floor, way walked so far, limbs."""
-
-    x_m: float
-    z_m: float
-    velocity_m_s: Floats
-    walked_m: float
-    turn_rad: float
-    right: ArmKey
-    left: ArmKey
-    apart_rad: float
->>>>>>> 49b0166 (Operator model: a person who sees only the console, late, and corrects; one loop of rendered person, perception and robot)
 
 
 def minimum_jerk(u: float) -> tuple[float, float]:
@@ -106,37 +91,6 @@ def _legs(apart: float, swing: float, lift: tuple[float, float], along: Floats) 
     return legs[0], legs[1]
 
 
-def sway_phases(seed: int) -> Floats:
-    """Phases (8,) of somebody's sway [rad]."""
-    return np.random.default_rng(seed).uniform(0, 2 * np.pi, 8)
-
-
-def swayed(stance: Stance, t_s: float, phase: Floats) -> Moment:
-    """A stance as a living person takes it: legs stride with the way walked, trunk and arms sway a little."""
-    speed = float(np.hypot(*stance.velocity_m_s))
-    turn = yaw(stance.turn_rad)
-    dx, dz = stance.velocity_m_s / speed if speed > 1e-6 else (0.0, -1.0)
-    along = turn.T @ np.array([dx, 0.0, dz])
-    stride = np.pi * stance.walked_m / _STEP_M
-    vigour = min(1.0, speed / 0.6)
-    # Sideways the legs open and close but do not cross.
-    swing = _SWING_RAD * vigour * float(np.sin(stride)) * (1.0 - 0.6 * abs(float(along[0])))
-    lift = tuple(vigour * 0.75 * max(0.0, sign * float(np.cos(stride))) for sign in (1.0, -1.0))
-    legs = _legs(stance.apart_rad, swing, (lift[0], lift[1]), along)
-    sway = 0.012 * np.sin(2 * np.pi * np.array([0.31, 0.23, 0.37, 0.29, 0.9, 1.1, 0.8, 1.3]) * t_s + phase)
-    chest = rotation(np.array([1.0, 0.0, 0.0]), float(sway[0])) @ yaw(float(sway[1]) - 0.25 * swing)
-    head = chest @ yaw(-0.6 * stance.turn_rad + float(sway[2]))
-    arms = []
-    for k, key in enumerate((stance.right, stance.left)):
-        shake = np.array([sway[4 + k], sway[6 + k], -0.6 * (1.0 - 2.0 * k) * swing * max(0.0, -key.upper[1]) ** 4])
-        arms.append(
-            ArmPose(unit(key.upper + shake), unit(key.fore + shake), palm=key.palm, curl=key.curl, spread_rad=0.1)
-        )
-    pose = Pose((arms[0], arms[1]), legs, yaw(0.2 * swing), chest, head)
-    curl = (stance.right.curl, stance.left.curl)
-    return Moment(pose, stance.x_m + 0.4 * float(sway[3]), stance.z_m, turn, curl)
-
-
 class Motion:
     """A sequence of key poses in order of time."""
 
@@ -158,7 +112,6 @@ class Motion:
         i = int(np.clip(np.searchsorted(self._times, t_s, side="right") - 1, 0, len(self.keys) - 2))
         a, b = self.keys[i], self.keys[i + 1]
         s, rate = minimum_jerk((t_s - a.t_s) / (b.t_s - a.t_s))
-<<<<<<< HEAD
         dx, dz = b.x_m - a.x_m, b.z_m - a.z_m
         distance = float(np.hypot(dx, dz))
         key = Key(
@@ -202,17 +155,3 @@ def acted(key: Key, walk: Walk, phase: Floats) -> Moment:
         )
     pose = Pose((arms[0], arms[1]), legs, yaw(0.2 * swing), chest, head)
     return Moment(pose, key.x_m + 0.4 * float(sway[3]), key.z_m, turn, (key.right.curl, key.left.curl))
-=======
-        way = np.array([b.x_m - a.x_m, b.z_m - a.z_m])
-        stance = Stance(
-            x_m=a.x_m + s * float(way[0]),
-            z_m=a.z_m + s * float(way[1]),
-            velocity_m_s=way * rate / (b.t_s - a.t_s),
-            walked_m=float(self._walked_m[i] + s * np.hypot(*way)),
-            turn_rad=(1 - s) * a.turn_rad + s * b.turn_rad,
-            right=_mix_arm(a.right, b.right, s),
-            left=_mix_arm(a.left, b.left, s),
-            apart_rad=(1 - s) * a.apart_rad + s * b.apart_rad,
-        )
-        return swayed(stance, t_s, self._phase)
->>>>>>> 49b0166 (Operator model: a person who sees only the console, late, and corrects; one loop of rendered person, perception and robot)

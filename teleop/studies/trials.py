@@ -21,11 +21,12 @@ from teleop.frames import Camera, kinect_v1
 from teleop.operator.picking import Picker, ready_to_pick
 from teleop.operator.spraying import Leaves, Sprayer, ready_to_spray
 from teleop.operator.traits import Traits, traits_of
+from teleop.people.performance import Stage
 from teleop.people.room import greenhouse_room
 from teleop.people.view import sensor_view
 from teleop.pipeline import Pipeline
-from teleop.sources.virtual import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
-from teleop.studies.closed_loop import Beat, Booth, Mind, play
+from teleop.sources.virtual_options import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
+from teleop.studies.closed_loop import Beat, Mind, play
 
 Task = Literal["pick", "spray"]
 TASKS: Final[tuple[Task, Task]] = ("pick", "spray")
@@ -112,15 +113,10 @@ def beats(spec: TrialSpec, env: GreenhouseEnv, traits: Traits) -> Iterator[Beat]
     camera = Camera(kinect_v1(spec.width, spec.height))
     pipeline = Pipeline(_tracker(), TeleopConfig())
     pipeline.tracker.warm_up(camera)
-    booth = Booth(
-        tester(spec.tester),
-        greenhouse_room(spec.tester),
-        sensor_view(SENSOR_HEIGHT_M, SENSOR_TILT_RAD),
-        camera,
-        FRAMES_PER_S,
-        seed=1000 * spec.seed + spec.tester,
-    )
-    return play(booth, traits, mind_of(spec, env.scenario, env, traits), pipeline, env)
+    person, view = tester(spec.tester), sensor_view(SENSOR_HEIGHT_M, SENSOR_TILT_RAD)
+    noise = 1000 * spec.seed + spec.tester
+    stage = Stage(person.body, person.worn, greenhouse_room(spec.tester), view, camera, seed=noise)
+    return play(stage, traits, mind_of(spec, env.scenario, env, traits), pipeline, env)
 
 
 def run_trial(spec: TrialSpec, trace: list[Row] | None = None) -> Trial:
