@@ -23,6 +23,7 @@ from server.cli.replay import replay
 from server.cli.serve import serve
 from server.cli.study import study_app
 from server.cli.study_hands import hands
+from server.cli.study_operators import angle_errors, task_times
 from server.cli.track import track
 from server.cli.train import train
 from server.cli.train_hands import train_hands
@@ -40,6 +41,8 @@ app = typer.Typer(
 for command in (serve, track, record, replay, push, convert, export, info, doctor, train, train_hands, evaluate):
     app.command()(command)
 study_app.command()(hands)
+study_app.command("task-times")(task_times)
+study_app.command("angle-errors")(angle_errors)
 app.add_typer(study_app, name="study")
 app.add_typer(operators_app, name="operators")
 

@@ -108,11 +108,15 @@ class Testers:
 def tester(index: int) -> Person:
     """Every ten: heights spread evenly over 165-190 cm, masses over 45-90 kg, the tall heavier on the whole."""
     rng = np.random.default_rng([48, index])
-    size = index % TESTERS
-    height = 1.65 + 0.25 * size / (TESTERS - 1)
-    heavier = (0, 2, 1, 4, 3, 6, 5, 8, 7, 9)[size]
-    mass = 45.0 + 45.0 * heavier / (TESTERS - 1)
+    height, mass = tester_size(index)
     descent = rng.dirichlet((0.7, 0.7, 0.7))
     shape = Shape(height, mass, float(index % 2), float(rng.uniform(0, 0.3)), float(rng.uniform(0.3, 0.7)),
                   (float(descent[0]), float(descent[1]), float(descent[2])))  # fmt: skip
     return dressed(shape, rng)
+
+
+def tester_size(index: int) -> tuple[float, float]:
+    """Height [m] and mass [kg] of tester ``index``."""
+    size = index % TESTERS
+    heavier = (0, 2, 1, 4, 3, 6, 5, 8, 7, 9)[size]
+    return 1.65 + 0.25 * size / (TESTERS - 1), 45.0 + 45.0 * heavier / (TESTERS - 1)

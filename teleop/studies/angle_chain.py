@@ -6,6 +6,7 @@ the same instant: of the person's own joints, of the tracked ones, of the comman
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +15,9 @@ from typing import Final, Literal
 import numpy as np
 
 from robot_sim.arm_angles import arm_target
+from robot_sim.commands import ArmTarget
 from robot_sim.config import GreenhouseConfig, RobotConfig
+from robot_sim.reasons import RobotReason
 from robot_sim.world import World
 from teleop.angles import body_angles
 from teleop.body.model import load_model
@@ -40,8 +43,10 @@ Movement = Literal["forward", "sideways", "elbow_forward", "elbow_across"]
 MOVEMENTS: Final[tuple[Movement, ...]] = ("forward", "sideways", "elbow_forward", "elbow_across")
 FRAMES_PER_S: Final = 10.0
 """Enough for postures that are held; the tracker's filter goes by the frames' time."""
-RAISE_S, HOLD_S, READ_S = 0.4, 0.8, 0.25
+RAISE_S, HOLD_S, READ_S = 0.4, 1.4, 0.25
 """From level to level, at rest there, and the last part of the rest in which angles are read."""
+STOOD_S: Final = 0.5
+"""A command that has not changed for so long has been followed."""
 _START_S: Final = 4.0
 """The operator is seen, the button engages them, the arms ease in."""
 _ENGAGE_S: Final = 1.0
@@ -70,7 +75,8 @@ class AngleSpec:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One instant of one arm [deg]. NaN: no answer, or the arm is not driven."""
+    """One instant of one arm [deg]. NaN: no answer, or the arm is not driven. stood: the command has not
+    changed for STOOD_S. held: the robot said that it kept an arm inside its workspace."""
 
     tester: int
     movement: Movement
@@ -80,6 +86,8 @@ class Reading:
     captured: float
     sent: float
     reached: float
+    stood: bool
+    held: bool
 
     @property
     def is_shoulder(self) -> bool:
@@ -106,7 +114,8 @@ def posed_arm(movement: Movement | None, level: float, sign: float, off_deg: Flo
         fore = bent(upper, 172.0 + 0.5 * off_deg[1], -np.array(DOWN))
     elif movement == "elbow_across":
         upper = raised(sign, 55.0 + 2 * off_deg[2], off_deg[0])
-        fore = bent(upper, level, -np.array(DOWN) + 0.04 * off_deg[3] * _FRONT)
+        # folded downwards: forearms beside the head would be the gesture that disengages
+        fore = bent(upper, level, np.array(DOWN) + 0.04 * off_deg[3] * _FRONT)
     else:
         upper = raised(sign, 4.0 + off_deg[0], 5.0 + off_deg[2])
         fore = bent(upper, level if movement else 168.0, _FRONT)
@@ -185,12 +194,16 @@ def _played(
 ) -> Iterator[Reading]:
     state = pipeline.initial_state()
     due = list(rests)
+    targets: deque[dict[Side, ArmTarget | None]] = deque(maxlen=round(STOOD_S * FRAMES_PER_S) + 1)
     for number in range(int(rests[-1].until_s * FRAMES_PER_S) + 1):
         t_s = number / FRAMES_PER_S
         take = stage.take(motion.at(t_s), number, round(t_s * 1e9))
         engage = number == round(_ENGAGE_S * FRAMES_PER_S)
         output, state = pipeline.step(take.frame, state, Inputs(engage=engage))
         robot = world.step(output.command, 1.0 / FRAMES_PER_S)
+        driven = output.intent.mode is Mode.PICKING
+        command: dict[Side, ArmTarget | None] = {"right": output.command.right_arm, "left": output.command.left_arm}
+        targets.append(command if driven else {"right": None, "left": None})
         while due and t_s > due[0].until_s + 1e-9:
             due.pop(0)
         if not due or t_s < due[0].from_s - 1e-9:
@@ -203,7 +216,7 @@ def _played(
         for side, _ in _SIDES:
             found = getattr(output.intent.angles, side)
             captured = (found.theta1_deg, found.theta2_deg, found.theta3_deg)[column]
-            target = getattr(output.command, f"{side}_arm") if output.intent.mode is Mode.PICKING else None
+            sent = [_servo_deg(before[side], servo) for before in targets]
             arm = arm_target(robot.joint_rad, side)
             yield Reading(
                 spec.tester,
@@ -212,9 +225,15 @@ def _played(
                 side,
                 true[side][column],
                 np.nan if captured is None else captured,
-                np.nan if target is None else (target.c1_deg, target.c2_deg, target.elbow_deg)[servo],
-                (arm.c1_deg, arm.c2_deg, arm.elbow_deg)[servo],
+                sent[-1],
+                _servo_deg(arm, servo),
+                len(set(sent)) == 1,
+                RobotReason.WORKSPACE in robot.reasons,
             )
+
+
+def _servo_deg(arm: ArmTarget | None, servo: int) -> float:
+    return float("nan") if arm is None else (arm.c1_deg, arm.c2_deg, arm.elbow_deg)[servo]
 
 
 def true_angles(joints_m: Floats, view: View) -> dict[Side, tuple[float, float, float]]:
