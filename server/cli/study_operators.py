@@ -71,7 +71,7 @@ def angle_errors(
 
     pixels = _size(size)
     with progress_bar() as show:
-        r = run_angle_study(output, operators, seed, pixels, 3 if quick else 1, workers, show)
+        r = run_angle_study(output, operators, seed, pixels, 3 if quick else 1, workers, progress=show)
     for c in r.curves:
         step = "" if c.movement.startswith("elbow") else f"; sent in the true step {c.same_step:.1%}"
         typer.echo(

@@ -1,7 +1,8 @@
 """One tester through the source's angle experiment: posed and rendered, tracked, sent, reached by the robot's arms.
 
-Both arms go through every level of four movements: raise, hold, raise on. At the end of a hold four angles are read at
-the same instant: of the person's own joints, of the tracked ones, of the command, of the robot's joints.
+One arm goes through every level of four movements: raise, hold, raise on; the other rests. At the end of a hold four
+angles are read at the same instant: of the person's own joints, of the tracked ones, of the command, of the robot's
+joints.
 """
 
 from __future__ import annotations
@@ -54,6 +55,8 @@ _STAND_M: Final = 2.3
 _APART_RAD: Final = np.radians(24.0)
 """Legs apart: the task is picking, both arms are the robot's."""
 _FRONT: Final = np.array(FORWARD)
+_HOLDS: Final = frozenset({RobotReason.WORKSPACE, RobotReason.ARM_DISTANCE, RobotReason.BODY_DISTANCE})
+"""Why the robot keeps an arm from where it is sent."""
 _SIDES: Final[tuple[tuple[Side, float], ...]] = (("right", 1.0), ("left", -1.0))
 
 
@@ -76,7 +79,8 @@ class AngleSpec:
 @dataclass(frozen=True, slots=True)
 class Reading:
     """One instant of one arm [deg]. NaN: no answer, or the arm is not driven. stood: the command has not
-    changed for STOOD_S. held: the robot said that it kept an arm inside its workspace."""
+    changed for STOOD_S. held: the robot said that it kept an arm
+    from where it was sent."""
 
     tester: int
     movement: Movement
@@ -133,13 +137,24 @@ class Rest:
     until_s: float
 
 
+def arm_of(tester: int, movement: Movement) -> Side:
+    """Which arm a tester moves: half of them the right one.
+
+    Never both at once: the robot keeps its arms, one with a box and one with a gripper, apart from each other.
+    """
+    return "right" if (tester + MOVEMENTS.index(movement)) % 2 == 0 else "left"
+
+
 def protocol(spec: AngleSpec) -> tuple[Motion, tuple[Rest, ...]]:
     """The tester's motion, from before engaging on, and its rests."""
     rng = np.random.default_rng([73, spec.seed, spec.tester])
     x_m = float(rng.uniform(-0.1, 0.1))
 
     def key(t_s: float, movement: Movement | None, level: float, off_deg: Floats) -> Key:
-        right, left = (posed_arm(movement, level, sign, off_deg[k]) for k, (_, sign) in enumerate(_SIDES))
+        right, left = (
+            posed_arm(movement if movement and side == arm_of(spec.tester, movement) else None, level, sign, off_deg[k])
+            for k, (side, sign) in enumerate(_SIDES)
+        )
         return Key(t_s, x_m, _STAND_M, 0.0, right, left, float(_APART_RAD))
 
     keys, rests, t_s = [key(0.0, None, 0.0, np.full((2, 4), 4.0))], [], _START_S
@@ -174,7 +189,7 @@ def read_tester(spec: AngleSpec) -> list[Reading]:
 
 
 def readings(spec: AngleSpec) -> Iterator[Reading]:
-    """Both arms' angles, frame by frame of every rest. Depth alone: colour is only for the hands."""
+    """The moving arm's angles, frame by frame of every rest. Depth alone: colour is only for the hands."""
     camera = Camera(kinect_v1(spec.width, spec.height))
     pipeline = Pipeline(_tracker(), TeleopConfig())
     pipeline.tracker.warm_up(camera)
@@ -213,23 +228,22 @@ def _played(
         # c1 is driven by theta2, c2 by theta1
         servo = {"forward": 0, "sideways": 1}.get(rest.movement, 2)
         true = true_angles(take.joints_m, stage.view)
-        for side, _ in _SIDES:
-            found = getattr(output.intent.angles, side)
-            captured = (found.theta1_deg, found.theta2_deg, found.theta3_deg)[column]
-            sent = [_servo_deg(before[side], servo) for before in targets]
-            arm = arm_target(robot.joint_rad, side)
-            yield Reading(
-                spec.tester,
-                rest.movement,
-                rest.level,
-                side,
-                true[side][column],
-                np.nan if captured is None else captured,
-                sent[-1],
-                _servo_deg(arm, servo),
-                len(set(sent)) == 1,
-                RobotReason.WORKSPACE in robot.reasons,
-            )
+        side = arm_of(spec.tester, rest.movement)
+        found = output.intent.angles.right if side == "right" else output.intent.angles.left
+        captured = (found.theta1_deg, found.theta2_deg, found.theta3_deg)[column]
+        sent = [_servo_deg(before[side], servo) for before in targets]
+        yield Reading(
+            spec.tester,
+            rest.movement,
+            rest.level,
+            side,
+            true[side][column],
+            np.nan if captured is None else captured,
+            sent[-1],
+            _servo_deg(arm_target(robot.joint_rad, side), servo),
+            len(set(sent)) == 1,
+            not _HOLDS.isdisjoint(robot.reasons),
+        )
 
 
 def _servo_deg(arm: ArmTarget | None, servo: int) -> float:

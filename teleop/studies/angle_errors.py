@@ -117,11 +117,12 @@ def run_angle_study(
     size: tuple[int, int] = (640, 480),
     every: int = 1,
     workers: int | None = None,
+    movements: tuple[Movement, ...] = MOVEMENTS,
     progress: Progress = silent,
 ) -> AngleStudy:
     """So many testers, every so manyth level; writes report, tables and plot. Raises DataError, RobotError."""
     new_folder(folder)
-    specs = [AngleSpec(n, seed, *size, every=every) for n in range(operators)]
+    specs = [AngleSpec(n, seed, *size, movements, every) for n in range(operators)]
     readings: list[Reading] = []
     progress("testers", 0, operators)
     with open_pool(min(operators, workers) if workers else None, None, software_version) as pool:
@@ -131,7 +132,7 @@ def run_angle_study(
     readings.sort(key=lambda r: r.tester)
     off = reached_error_deg(readings)
     study = AngleStudy(
-        tuple(curve(readings, movement) for movement in MOVEMENTS),
+        tuple(curve(readings, movement) for movement in movements),
         float(np.abs(off).max()) if len(off) else float("nan"),
         float(np.mean([r.stood for r in readings])),
         float(np.mean([r.held for r in readings])),
@@ -139,6 +140,18 @@ def run_angle_study(
     )
     _write(study, readings, folder, operators, seed, size)
     return study
+
+
+def where_held(readings: Sequence[Reading]) -> str:
+    """Which arms were kept from where they were sent, in words."""
+    held = [r for r in readings if r.held]
+    parts = []
+    for movement in MOVEMENTS:
+        for side in ("right", "left"):
+            levels = [r.level for r in held if (r.movement, r.side) == (movement, side)]
+            if levels:
+                parts.append(f"{side} arm, {movement}, from {min(levels):.0f} to {max(levels):.0f} degrees")
+    return "; ".join(parts) or "none"
 
 
 def _write(
@@ -149,9 +162,9 @@ def _write(
     report.text(
         f"{operators} rendered testers ({100 * sizes[0][0]:.0f}-{100 * sizes[-1][0]:.0f} cm), depth images of "
         f"{size[0]}x{size[1]}, seed {seed}: tracker, mapping, safety kernel, limiter and the simulated robot in one "
-        "loop, nothing left out. Both arms are raised from level to level and held; at the end of a hold four angles "
-        "are read at the same instant. True is the angle of the person's own joints; sent is the command's; reached "
-        "is the robot's joint."
+        "loop, nothing left out. One arm, of half the testers the right one, is raised from level to level and held; "
+        "at the end of a hold four angles are read at the same instant. True is the angle of the person's own joints; "
+        "sent is the command's; reached is the robot's joint."
     )
     rows = [
         (WORDS[c.movement], c.largest, SOURCE_DEG[c.movement], 100 * c.same_step, 100 * c.answered)
@@ -163,8 +176,8 @@ def _write(
         f"Sent against reached, every reading at rest: largest difference **{study.reached_deg:.2f} deg** (source "
         f"{SOURCE_REACHED_DEG:.2f} deg). At rest: the command has stood for {STOOD_S:.1f} s "
         f"({100 * study.at_rest:.0f} % of the readings; the elbow's follows the tracker's last degree). Left out, too, "
-        f"are {100 * study.held:.1f} % in which the robot said `hold.workspace`: the left arm's box would have left "
-        "its safe space, raised sideways beyond 66 degrees, so the arm stopped before."
+        f"are {100 * study.held:.1f} % in which the robot said that it keeps the arm from there (`hold.workspace`, "
+        "`hold.arm_distance`, `hold.body_distance`): {where_held(readings)}."
     )
     levels = [
         (c.movement, *(float(v[i]) for v in (c.level, c.true, c.captured, c.sent, c.reached, c.error, c.spread)))
@@ -185,7 +198,7 @@ def _write(
 
 def _plot(study: AngleStudy, folder: Path) -> str:
     figure = new_figure(13.0, 6.4)
-    axes = figure.subplots(2, len(study.curves))
+    axes = figure.subplots(2, len(study.curves), squeeze=False)
     for k, c in enumerate(study.curves):
         above, below = axes[0][k], axes[1][k]
         above.plot(c.level, c.level, color="0.7", linewidth=1, label="asked")
