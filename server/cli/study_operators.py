@@ -33,7 +33,7 @@ def task_times(
     operators: Operators = 10,
     seed: Seed = 0,
     size: Size = "640x480",
-    limit: Annotated[float, typer.Option(min=1.0, max=120.0, help="Time after which a trial has failed [s].")] = 20.0,
+    limit: Annotated[float, typer.Option(min=1.0, max=120.0, help="Seconds after which a trial has failed.")] = 20.0,
     workers: Workers = None,
 ) -> None:
     """Pick a cucumber, spray a square metre: how long ten rendered operators take (source's table 2).

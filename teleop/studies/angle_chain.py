@@ -17,7 +17,7 @@ import numpy as np
 
 from robot_sim.arm_angles import arm_target
 from robot_sim.commands import ArmTarget
-from robot_sim.config import GreenhouseConfig, RobotConfig
+from robot_sim.config import GreenhouseConfig, RobotConfig, ServoConfig
 from robot_sim.reasons import RobotReason
 from robot_sim.world import World
 from teleop.angles import body_angles
@@ -99,6 +99,12 @@ class Reading:
         return not self.movement.startswith("elbow")
 
     @property
+    def off_edge_deg(self) -> float:
+        """How far the true angle lies from the nearest edge between two steps: 7.5, 22.5, ... 82.5 deg."""
+        step = TeleopConfig().intent.mapping.step_deg
+        return abs(self.true % step - step / 2) if self.true < 90.0 - step / 2 else self.true - (90.0 - step / 2)
+
+    @property
     def ideal(self) -> float:
         """What would be sent of the true angle."""
         return nearest_step(self.true, TeleopConfig().intent.mapping) if self.is_shoulder else self.true
@@ -173,9 +179,9 @@ def protocol(spec: AngleSpec) -> tuple[Motion, tuple[Rest, ...]]:
 
 
 def empty_aisle() -> RobotConfig:
-    """The robot with the rows as far away as they can be: nothing in the arms' way."""
+    """The robot with servos as they are, and with nothing in the arms' way: the rows as far off as they can be."""
     wide = GreenhouseConfig(row_offset_m=2.0, fruit_offset_m=1.5, leaves_per_plant=0, fruits_per_plant=0)
-    return RobotConfig(greenhouse=wide)
+    return RobotConfig(greenhouse=wide, servo=ServoConfig(whole_degrees=True, backlash_rad=0.01))
 
 
 @lru_cache(maxsize=1)
