@@ -188,10 +188,10 @@ def _write(
     )
     report.table(table("captured", "Captured less true, mean over the testers, beside the source's", header, rows))
     report.text(
-        "The source reports no wrong step. Ours has a hysteresis at the edges between steps that the source has not "
-        f"({TeleopConfig().intent.mapping.margin_deg:.0f} degrees, so that an arm at an edge does not make the servo "
-        "flip): of its levels 10, 40 and 70 lie 2.5 degrees above an edge and are reached from below, so they often "
-        "stay in the step before."
+        "The source reports no wrong step. Ours leaves a step only when the angle has been "
+        f"{TeleopConfig().intent.mapping.margin_deg:.0f} degrees beyond its edge a while, so that an arm at an edge "
+        "does not make the servo flip; the source has no such hysteresis. Of its levels 10, 40 and 70 lie 2.5 degrees "
+        "above an edge and are reached from below, so they often stay in the step before."
     )
     report.text(
         "The arms' servos have whole degrees and a play of 0.01 rad, as hobby servos have (robot.servo); without play "
