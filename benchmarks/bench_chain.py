@@ -46,7 +46,7 @@ def session() -> Path:
         person = "makehuman" if data_root() else "builtin"
         part = _SESSION.with_name("bench_part.mcap")
         source = f"virtual:{person},seed=7,size=640x480,fps=30"
-        command = [_teleop(), "convert", source, str(part), "--force", "--from", "6", "--seconds", "20"]
+        command = [_teleop(), "convert", source, str(part), "--force", "--from", "4", "--seconds", "20"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         part.rename(_SESSION)
     return _SESSION

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.coarse import CoarseNet
+from teleop.body.coarse import CoarseNet, locate
 from teleop.body.features import Pixels
 from teleop.body.limbs import GROUPS, Round, place
 
@@ -46,26 +46,40 @@ class Placed:
     cues: Floats
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Begun:
+    """The coarse joints (20, 3) and spreads (20,), and those after the looks so far."""
+
+    coarse_m: Floats
+    coarse_spread_m: Floats
+    joints_m: Floats
+    spread_m: Floats
+    looks: int
+
+
+def begin(cascade: Cascade, image: Pixels, rounds: int) -> Begun:
+    """The coarse network and the first look, which take as long as the forest does beside them."""
+    joints_m, spread_m = coarse_m, coarse_spread_m = locate(cascade.coarse, image)
+    first = cascade.rounds[: min(rounds, 1)]
+    for nets in first:
+        joints_m, spread_m = place(nets, image, joints_m, _ALL)
+    return Begun(coarse_m, coarse_spread_m, joints_m, spread_m, len(first))
+
+
 def settle(
-    cascade: Cascade,
-    image: Pixels,
-    coarse: tuple[Floats, Floats],
-    forest_m: Floats,
-    rounds: int,
-    beside: Executor | None = None,
+    cascade: Cascade, image: Pixels, begun: Begun, forest_m: Floats, rounds: int, beside: Executor | None = None
 ) -> Placed:
-    """From the coarse joints and their spread (see teleop.body.coarse.locate) through at most ``rounds`` looks.
+    """From the first look (begin) on, through at most ``rounds`` looks.
 
     forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer. beside: where the arms are
     looked at while legs and trunk are looked at here.
     """
-    coarse_m, coarse_spread = coarse
-    joints_m, spread = coarse
-    for nets in cascade.rounds[:rounds]:
-        joints_m, spread = _both(partial(place, nets, image, joints_m), beside)
-    moved = np.linalg.norm(joints_m - coarse_m, axis=1)
-    apart = np.linalg.norm(forest_m - joints_m, axis=1)
-    return Placed(joints_m, spread, trust_cues(coarse_spread, spread, moved, apart))
+    joints_m, spread_m = begun.joints_m, begun.spread_m
+    for nets in cascade.rounds[begun.looks : rounds]:
+        joints_m, spread_m = _both(partial(place, nets, image, joints_m), beside)
+    moved_m = np.linalg.norm(joints_m - begun.coarse_m, axis=1)
+    apart_m = np.linalg.norm(forest_m - joints_m, axis=1)
+    return Placed(joints_m, spread_m, trust_cues(begun.coarse_spread_m, spread_m, moved_m, apart_m))
 
 
 def _both(look: Callable[[tuple[int, ...]], tuple[Floats, Floats]], beside: Executor | None) -> tuple[Floats, Floats]:

@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from teleop.body.assemble import assemble
 from teleop.body.bones import Bones, learn, straighten, unknown_bones
-from teleop.body.cascade import Placed, settle, trust
-from teleop.body.coarse import locate
+from teleop.body.cascade import Placed, begin, settle, trust
 from teleop.body.features import operator_pixels, pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
@@ -123,9 +122,9 @@ class BodyTracker:
         model, camera, config = self.model, frame.camera, self.config
         cascade, seeing, placed = model.cascade, None, None
         if cascade is not None:
-            # the coarse network runs on the second core while the forest runs on this one
+            # the networks begin on the second core while the forest runs on this one
             whole = operator_pixels(frame.depth_mm, found.mask, found.box, camera)
-            seeing = self._second.submit(locate, cascade.coarse, whole)
+            seeing = self._second.submit(begin, cascade, whole, config.cascade.rounds)
         step = working_step(camera, config.forest.working_focal_px)
         image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
         stride = stride_for(found.area_px // step**2, config.forest.max_pixels)

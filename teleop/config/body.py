@@ -69,10 +69,10 @@ class ForestConfig(Section):
 class ProposalConfig(Section):
     """From votes to joint proposals (mean shift)."""
 
-    max_points: int = Field(150, ge=20, le=5000, description="votes kept for a joint, the surest ones")
-    starts: int = Field(3, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
+    max_points: int = Field(100, ge=20, le=5000, description="votes kept for a joint, the surest ones")
+    starts: int = Field(2, ge=1, le=10, description="greedy starts a joint, two bandwidths apart")
     iterations: int = Field(30, ge=1, le=500, description="most mean-shift steps from a start")
-    tolerance_m: float = Field(0.0005, gt=0, le=0.02, description="a shorter shift ends the iteration [m]")
+    tolerance_m: float = Field(0.001, gt=0, le=0.02, description="a shorter shift ends the iteration [m]")
     spread_power: float = Field(
         2.0, ge=0, le=6, description="a vote weighs (1 + (spread / spread_scale)^2)^-power; fitted on validation frames"
     )

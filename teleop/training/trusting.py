@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
-from teleop.body.cascade import settle
-from teleop.body.coarse import locate
+from teleop.body.cascade import begin, settle
 from teleop.body.features import body_pixels, body_points
 from teleop.body.forest import forest_leaves, stride_for
 from teleop.body.model import BodyModel
@@ -46,7 +45,7 @@ def placed_frames(
         proposals = propose(model, points, leaves, stride, image.fx, weight_of, config.proposals)
         forest_m, _ = assemble(proposals, model.bones_m, None, config.skeleton)
         pixels = bodies.pixels(f)
-        placed = settle(model.cascade, pixels, locate(model.cascade.coarse, pixels), forest_m, rounds)
+        placed = settle(model.cascade, pixels, begin(model.cascade, pixels, rounds), forest_m, rounds)
         joints.append(placed.joints_m)
         cues.append(placed.cues)
     return np.array(joints), np.array(cues)

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teleop.body.cascade import Cascade, Placed, settle
-from teleop.body.coarse import locate
+from teleop.body.cascade import Cascade, Placed, begin, settle
 from teleop.body.features import Pixels, operator_pixels
 from teleop.body.limbs import GROUPS, SWAPPED, place, pose_vectors
 from teleop.body.model import load_model, save_model
@@ -46,7 +45,7 @@ def person() -> tuple[Pixels, np.ndarray]:
 
 
 def placed(cascade: Cascade, image: Pixels, rounds: int = ROUNDS) -> Placed:
-    return settle(cascade, image, locate(cascade.coarse, image), UNKNOWN, rounds)
+    return settle(cascade, image, begin(cascade, image, rounds), UNKNOWN, rounds)
 
 
 def test_groups_hold_every_joint_once() -> None:
@@ -77,10 +76,10 @@ def test_every_joint_is_placed_near_the_true_one_and_closer_looks_help(
 
 def test_two_threads_find_what_one_finds(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
     image, _ = person
-    coarse = locate(cascade.coarse, image)
+    begun = begin(cascade, image, ROUNDS)
     with ThreadPoolExecutor(1) as beside:
-        both = settle(cascade, image, coarse, UNKNOWN, ROUNDS, beside)
-    alone = settle(cascade, image, coarse, UNKNOWN, ROUNDS)
+        both = settle(cascade, image, begun, UNKNOWN, ROUNDS, beside)
+    alone = settle(cascade, image, begun, UNKNOWN, ROUNDS)
     assert (both.joints_m == alone.joints_m).all() and (both.cues == alone.cues).all()
 
 
