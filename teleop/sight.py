@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from teleop.bones import without_impossible_bones
 from teleop.config.intent import IntentConfig, SafetyConfig
+from teleop.impossible_bones import without_impossible_bones
 from teleop.jumps import JumpState, aged, finite_only, initial_jumps, step_jumps
 from teleop.level import Ground, levelled, rotation_level_camera, step_ground
 from teleop.reasons import Reason

@@ -14,10 +14,10 @@ from robot_sim.env import GreenhouseEnv, Info
 from robot_sim.state import RobotState
 from teleop.frames import DepthFrame
 from teleop.inputs import Inputs
-from teleop.operator.body import Body, Posture, standing
-from teleop.operator.console import ConsoleView, paint
-from teleop.operator.eye import latest
-from teleop.operator.traits import Traits
+from teleop.operator_model.body import Body, Posture, standing
+from teleop.operator_model.console import ConsoleView, paint
+from teleop.operator_model.eye import latest
+from teleop.operator_model.traits import Traits
 from teleop.people.motion import Moment
 from teleop.people.performance import Stage
 from teleop.pipeline import Pipeline, PipelineOutput, PipelineState

@@ -18,9 +18,9 @@ from teleop.body.tracker import BodyTracker
 from teleop.config import TeleopConfig
 from teleop.evaluation.stills import tester
 from teleop.frames import Camera, kinect_v1
-from teleop.operator.picking import Picker, ready_to_pick
-from teleop.operator.spraying import Leaves, Sprayer, ready_to_spray
-from teleop.operator.traits import Traits, traits_of
+from teleop.operator_model.picking import Picker, ready_to_pick
+from teleop.operator_model.spraying import Leaves, Sprayer, ready_to_spray
+from teleop.operator_model.traits import Traits, traits_of
 from teleop.people.performance import Stage
 from teleop.people.room import greenhouse_room
 from teleop.people.view import sensor_view

@@ -84,7 +84,7 @@ class ChunkTask:
 def render_chunk(task: ChunkTask) -> bytes:
     """Render frames from their seeds: an .npz, see read_chunk. Same task: same bytes."""
     from teleop.people.sampling import SampleSpec, sample_frame
-    from teleop.people.scenes import sample_scene
+    from teleop.people.training_scenes import sample_scene
 
     size = (task.count, HEIGHT, WIDTH)
     out = Frames(

@@ -31,13 +31,13 @@ from teleop.software import library_digest
 from teleop.training.bodies import Bodies, bodies_arrays, bodies_of, load_bodies
 from teleop.training.build import BuildSpec, Progress, build_model
 from teleop.training.dataset import CHUNK, Frames, Split, read_chunk, render_dataset
-from teleop.training.finding import FinderSpec, load_grids, train_finder
 from teleop.training.fitting import best_errors_m, fit_model, fit_person, propose_all, walk_frames
 from teleop.training.images import Images, padded
-from teleop.training.locating import CoarseSpec, train_coarse
-from teleop.training.looking import LimbSpec, coarse_joints, round_joints, train_limbs
 from teleop.training.network import pytorch
 from teleop.training.stages import Stages
+from teleop.training.train_coarse import CoarseSpec, train_coarse
+from teleop.training.train_finder import FinderSpec, load_grids, train_finder
+from teleop.training.train_limbs import LimbSpec, coarse_joints, round_joints, train_limbs
 from teleop.training.trusting import fit_trust, placed_errors_m
 
 MAX_BYTES: Final = 20_000_000

@@ -6,7 +6,7 @@
  *   slider     ------o-------
  */
 
-import { Band } from "./band";
+import { Band } from "./mode_band";
 import { h } from "./dom";
 import { type Key, reasonText, t, titled } from "./i18n";
 import { clock } from "./clock";

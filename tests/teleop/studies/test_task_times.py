@@ -11,7 +11,7 @@ import pytest
 from robot_sim.env import GreenhouseEnv
 from teleop.data import data_root
 from teleop.intent_types import Mode
-from teleop.operator.traits import traits_of
+from teleop.operator_model.traits import traits_of
 from teleop.studies.task_times import figures_of
 from teleop.studies.trials import FRAMES_PER_S, OFF_M, Trial, TrialSpec, beats, started
 

@@ -13,16 +13,16 @@ from teleop.body.parts import NO_PART
 from teleop.config.body import BodyConfig
 from teleop.data import data_root
 from teleop.joints import JOINT_INDEX
-from teleop.people.scenes import sample_scene
+from teleop.people.training_scenes import sample_scene
 from teleop.training.bodies import Bodies, bodies_arrays, bodies_of, cut, joined
 from teleop.training.dataset import Frames, Kind
-from teleop.training.finding import Grids
-from teleop.training.finding import draw as draw_grids
 from teleop.training.images import image_of, padded
-from teleop.training.locating import CoarseSpec
-from teleop.training.locating import draw as draw_whole
-from teleop.training.looking import LimbSpec
-from teleop.training.looking import draw as draw_limbs
+from teleop.training.train_coarse import CoarseSpec
+from teleop.training.train_coarse import draw as draw_whole
+from teleop.training.train_finder import Grids
+from teleop.training.train_finder import draw as draw_grids
+from teleop.training.train_limbs import LimbSpec
+from teleop.training.train_limbs import draw as draw_limbs
 
 pytestmark = pytest.mark.skipif(data_root() is None, reason="rendered people need the data sets: TELEOP_DATA")
 KINDS = (Kind.SCENE, Kind.NOBODY, Kind.SCENE, Kind.SCENE)

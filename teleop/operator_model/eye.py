@@ -14,7 +14,7 @@ from robot_sim.commands import ArmName, ArmTarget
 from robot_sim.config import RobotConfig
 from robot_sim.reach import hand_in_base
 from robot_sim.urdf_parts_tools import GRIP_M
-from teleop.operator.console import ConsoleView, Scenery
+from teleop.operator_model.console import ConsoleView, Scenery
 from teleop.people.rig import Floats
 
 _WAVES_HZ: Final = np.array([0.21, 0.47, 0.83])

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from teleop.angles import arm_angles
 from teleop.config import TeleopConfig
 from teleop.joints import JOINT_INDEX
-from teleop.operator.body import FIST, OPEN, ArmPosture, Pace, Posture, arm_key, standing
-from teleop.operator.reach import resting
+from teleop.operator_model.body import FIST, OPEN, ArmPosture, Pace, Posture, arm_key, standing
+from teleop.operator_model.reach import resting
 from teleop.people.rig import Floats
 from teleop.skeleton import Skeleton
 

@@ -14,12 +14,12 @@ from robot_sim.config import RobotConfig
 from robot_sim.spray import LIQUIDS
 from robot_sim.urdf_parts_tools import NOZZLE_M
 from teleop.intent_types import Mode
-from teleop.operator.body import FIST, OPEN, ArmPosture, Body, Posture
-from teleop.operator.console import ConsoleView
-from teleop.operator.eye import hand_m
-from teleop.operator.picking import ready_to_pick
-from teleop.operator.stepping import Step, off_map_m, step_for, stepping_back
-from teleop.operator.traits import Traits
+from teleop.operator_model.body import FIST, OPEN, ArmPosture, Body, Posture
+from teleop.operator_model.console import ConsoleView
+from teleop.operator_model.eye import hand_m
+from teleop.operator_model.picking import ready_to_pick
+from teleop.operator_model.stepping import Step, off_map_m, step_for, stepping_back
+from teleop.operator_model.traits import Traits
 from teleop.people.rig import Floats
 
 CLOSED_DEG: Final = 3.0

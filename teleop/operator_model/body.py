@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from teleop.operator.reach import Reach, resting
+from teleop.operator_model.reach import Reach, resting
 from teleop.people.motion import ArmKey, Key, Moment, Walk, acted, sway_phases
 from teleop.people.pose import unit
 from teleop.people.rig import Floats

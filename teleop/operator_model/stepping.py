@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teleop.operator.body import Body, Posture
-from teleop.operator.console import ConsoleView
-from teleop.operator.traits import Traits
+from teleop.operator_model.body import Body, Posture
+from teleop.operator_model.console import ConsoleView
+from teleop.operator_model.traits import Traits
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teleop.operator.body import Pace
-from teleop.operator.eye import Eye, new_eye
+from teleop.operator_model.body import Pace
+from teleop.operator_model.eye import Eye, new_eye
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,11 +14,11 @@ from robot_sim.commands import ArmTarget
 from robot_sim.config import RobotConfig
 from robot_sim.urdf_parts_tools import GRIP_M
 from teleop.intent_types import Mode, Side
-from teleop.operator.body import FIST, OPEN, ArmPosture, Body, Posture
-from teleop.operator.console import ConsoleView, Scenery
-from teleop.operator.eye import drawn_arm, grip_point_m, gripper_m, hand_m
-from teleop.operator.stepping import Step, off_map_m, step_for, stepping_back
-from teleop.operator.traits import Traits
+from teleop.operator_model.body import FIST, OPEN, ArmPosture, Body, Posture
+from teleop.operator_model.console import ConsoleView, Scenery
+from teleop.operator_model.eye import drawn_arm, grip_point_m, gripper_m, hand_m
+from teleop.operator_model.stepping import Step, off_map_m, step_for, stepping_back
+from teleop.operator_model.traits import Traits
 from teleop.people.rig import Floats
 
 PICK_APART_DEG: Final = 24.0
@@ -75,8 +75,8 @@ class Picker:
     """The operator's mind at this task. fruit: which one was pointed out. posture: what the body is asked to do.
 
     since_s: begin of the stage. true_s: since when what the stage waits for is seen. plan: how the robot's right arm
-    is to stand. spread: the robot's arms were seen to hang outward. off_map_m: teleop.operator.stepping. views: the
-    last paintings seen.
+    is to stand. spread: the robot's arms were seen to hang outward. off_map_m: see stepping. views: the last
+    paintings seen.
     """
 
     traits: Traits
