@@ -13,7 +13,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.features import FAR_MM, Pixels
+from teleop.body.features import FAR_MM, Pixels, PixelTuple
 
 EMPTY: Final = 1.5
 """What a cell without a pixel of the operator reads, in the crop's units of depth."""
@@ -128,19 +128,10 @@ def sample_crop(
 
 @nb.njit(cache=True, nogil=True)
 def joint_crops(
-    flat_mm: npt.NDArray[np.int16],
-    first: int,
-    width: int,
-    height: int,
-    intrinsics: npt.NDArray[np.float64],
-    joints_m: npt.NDArray[np.float64],
-    mirror: npt.NDArray[np.bool_],
-    shape: Shape,
+    image: PixelTuple, joints_m: npt.NDArray[np.float64], mirror: npt.NDArray[np.bool_], shape: Shape
 ) -> npt.NDArray[np.float32]:
-    """Crops (N, rows, columns, 2) of one image centred on joints (N, 3), mirrored where asked (N,).
-
-    flat_mm, first, width, height: the image, see sample_crop. intrinsics: fx, fy, cx, cy counted from its first pixel.
-    """
+    """Crops (N, rows, columns, 2) of one image centred on joints (N, 3), mirrored where asked (N,)."""
+    flat_mm, first, width, height, intrinsics = image
     out = np.empty((len(joints_m), shape[0], shape[1], 2), np.float32)
     fx, fy, cx, cy = intrinsics
     for k in range(len(joints_m)):

@@ -20,6 +20,10 @@ FAR_MM: Final = 10_000
 """What a pixel off the operator reads, the published "large constant"."""
 
 
+PixelTuple = tuple[npt.NDArray[np.int16], int, int, int, npt.NDArray[np.float64]]
+"""Pixels as compiled code takes them, its fields in order."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Pixels:
     """The operator's canonical image inside an array of one or many: flat_mm row by row, index of its first pixel,
@@ -30,6 +34,10 @@ class Pixels:
     width: int
     height: int
     intrinsics: npt.NDArray[np.float64]
+
+    def tuple(self) -> PixelTuple:
+        """For compiled code."""
+        return self.flat_mm, self.first, self.width, self.height, self.intrinsics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,8 +13,8 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from teleop.body.crop import LOCAL, joint_crops
-from teleop.body.features import Pixels
+from teleop.body.crop import LOCAL, Shape, joint_crops
+from teleop.body.features import Pixels, PixelTuple
 from teleop.body.layers import F32, Stack, run_dense, run_stack
 from teleop.joints import JOINT_INDEX, MIRROR_JOINT, N_JOINTS
 
@@ -43,6 +43,12 @@ GROUPS: Final = (
 SWAPPED: Final = np.array(MIRROR_JOINT)
 
 
+NetTuple = tuple[
+    tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]], tuple[F32, F32, F32], tuple[F32, F32, F32]
+]
+"""A LimbNet as compiled code takes it: stack, layers, their biases."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LimbNet:
     """The network of one group. stack: over the crop of each joint. first: (LINKS * features + 3 N_JOINTS, H1),
@@ -56,6 +62,11 @@ class LimbNet:
     second_bias: F32
     last: F32
     last_bias: F32
+
+    def tuple(self) -> NetTuple:
+        """For compiled code."""
+        layers = (self.first, self.second, self.last)
+        return self.stack.parts(), layers, (self.first_bias, self.second_bias, self.last_bias)
 
 
 Round = tuple[LimbNet, LimbNet, LimbNet]
@@ -82,17 +93,7 @@ def pose_vectors(joints_m: Floats, group: npt.NDArray[np.int64], turned: bool, s
 
 
 @nb.njit(cache=True, nogil=True)
-def limb_crops(
-    flat_mm: npt.NDArray[np.int16],
-    first: int,
-    width: int,
-    height: int,
-    intrinsics: Floats,
-    joints_m: Floats,
-    group: npt.NDArray[np.int64],
-    turned: bool,
-    shape: tuple[int, int, float, float, float, float],
-) -> F32:
+def limb_crops(image: PixelTuple, joints_m: Floats, group: npt.NDArray[np.int64], turned: bool, shape: Shape) -> F32:
     """Crops (sides * LINKS, rows, columns, 2) of a group's joints (sides, LINKS); see teleop.body.crop.joint_crops.
 
     turned: those that are not mirrored are, in training.
@@ -103,20 +104,13 @@ def limb_crops(
         for link in range(links):
             at[side * links + link] = joints_m[group[side, link]]
             mirror[side * links + link] = (side == 1) != turned
-    return joint_crops(flat_mm, first, width, height, intrinsics, at, mirror, shape)
+    return joint_crops(image, at, mirror, shape)
 
 
 @nb.njit(cache=True, nogil=True)
-def run_limbs(
-    crops: F32,
-    poses: F32,
-    kernels: tuple[F32, ...],
-    biases: tuple[F32, ...],
-    shape: npt.NDArray[np.int64],
-    dense: tuple[F32, F32, F32],
-    dense_biases: tuple[F32, F32, F32],
-) -> F32:
+def run_limbs(crops: F32, poses: F32, net: NetTuple) -> F32:
     """The network's outputs (N, 4 LINKS) for N limbs: crops (N LINKS, rows, columns, 2), poses (N, 3 N_JOINTS)."""
+    (kernels, biases, shape), dense, dense_biases = net
     seen = run_stack(crops, kernels, biases, shape)
     limbs, own = len(poses), poses.shape[1]
     features = seen.reshape(limbs, -1)
@@ -129,26 +123,18 @@ def run_limbs(
 
 @nb.njit(cache=True, nogil=True)
 def _place_group(
-    flat_mm: npt.NDArray[np.int16],
-    first: int,
-    width: int,
-    height: int,
-    intrinsics: Floats,
+    image: PixelTuple,
     joints_m: Floats,
     group: npt.NDArray[np.int64],
     swapped: npt.NDArray[np.int64],
-    crop: tuple[int, int, float, float, float, float],
-    kernels: tuple[F32, ...],
-    biases: tuple[F32, ...],
-    shape: npt.NDArray[np.int64],
-    dense: tuple[F32, F32, F32],
-    dense_biases: tuple[F32, F32, F32],
+    crop: Shape,
+    net: NetTuple,
     placed_m: Floats,
     spread_m: Floats,
 ) -> None:
-    crops = limb_crops(flat_mm, first, width, height, intrinsics, joints_m, group, False, crop)
+    crops = limb_crops(image, joints_m, group, False, crop)
     poses = pose_vectors(joints_m, group, False, swapped)
-    out = run_limbs(crops, poses, kernels, biases, shape, dense, dense_biases)
+    out = run_limbs(crops, poses, net)
     for side in range(len(group)):
         for link in range(group.shape[1]):
             j = group[side, link]
@@ -170,23 +156,6 @@ def place(nets: Round, image: Pixels, joints_m: Floats, groups: tuple[int, ...])
     before = before_sensor(joints_m)
     placed, spread = joints_m.copy(), np.full(N_JOINTS, np.nan)
     for group in groups:
-        net = nets[group]
-        _place_group(
-            image.flat_mm,
-            image.first,
-            image.width,
-            image.height,
-            image.intrinsics,
-            before,
-            GROUPS[group],
-            SWAPPED,
-            LOCAL.tuple(),
-            net.stack.kernels,
-            net.stack.biases,
-            net.stack.shape,
-            (net.first, net.second, net.last),
-            (net.first_bias, net.second_bias, net.last_bias),
-            placed,
-            spread,
-        )
+        net = nets[group].tuple()
+        _place_group(image.tuple(), before, GROUPS[group], SWAPPED, LOCAL.tuple(), net, placed, spread)
     return placed, spread

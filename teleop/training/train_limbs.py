@@ -103,8 +103,7 @@ def draw(
         joints = before_sensor(before_m[f] + rng.normal(0, spec.shift_m * rng.uniform(0, 2), (N_JOINTS, 3)))
         image: Pixels = thinned(bodies.pixels(f), spec.dropout, rng)
         turned = len(joints_of) == 1 and bool(rng.uniform() < 0.5)
-        place_in = (image.flat_mm, image.first, image.width, image.height, image.intrinsics)
-        crops.append(limb_crops(*place_in, joints, joints_of, turned, LOCAL.tuple()))
+        crops.append(limb_crops(image.tuple(), joints, joints_of, turned, LOCAL.tuple()))
         poses.append(pose_vectors(joints, joints_of, turned, SWAPPED))
         way, limb = (bodies.joints_m[f] - joints)[joints_of], joints[joints_of]
         for side in range(len(joints_of)):
@@ -188,7 +187,6 @@ def train_limbs(
     crops, poses = draw(bodies, before_m, np.arange(1), group, spec, np.random.default_rng(seed))[:2]
     with torch.no_grad():
         wanted = model(channels_first(torch.from_numpy(crops)), torch.from_numpy(poses)).flatten(1).numpy()
-    dense_layers = (net.first, net.second, net.last), (net.first_bias, net.second_bias, net.last_bias)
-    found = run_limbs(crops, poses, net.stack.kernels, net.stack.biases, net.stack.shape, *dense_layers)
+    found = run_limbs(crops, poses, net.tuple())
     check_runtime([found], [wanted], 1e-3, f"network of the {name}")
     return net

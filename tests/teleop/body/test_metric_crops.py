@@ -77,6 +77,6 @@ def test_joint_crops_are_centred_on_the_joints() -> None:
     image[58:63, 58:63] = 2000
     p = pixels(image)
     at, plain = np.array([[0.0, 0.0, 2.0]]), np.zeros(1, bool)
-    crop = joint_crops(p.flat_mm, p.first, p.width, p.height, p.intrinsics, at, plain, LOCAL.tuple())
+    crop = joint_crops(p.tuple(), at, plain, LOCAL.tuple())
     rows, columns = np.nonzero(crop[0, ..., 1])
     assert (rows.mean(), columns.mean()) == pytest.approx((15.5, 15.5), abs=1.0)
