@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,25 @@ def test_nothing_overflows(page: Page, tmp_path: Path, width: int, height: int, 
     shot = tmp_path / f"console_{width}x{height}_{theme}.png"
     page.screenshot(path=shot, full_page=True)
     assert shot.stat().st_size > 20_000
+
+
+REASONS = re.findall(
+    r'"(?:reason\.(?:hold|stop|refused)|hint)\.[a-z_]+": "(.*)",',
+    (Path(__file__).parents[2] / "web" / "src" / "i18n" / "en.ts").read_text(encoding="utf-8"),
+)
+CUT_OFF = """(texts) => texts.filter(text => {
+  const line = document.querySelector('.reason');
+  line.textContent = text;
+  line.dataset.long = String(text.length > 37);
+  return line.scrollWidth > line.clientWidth;
+})"""
+
+
+@pytest.mark.parametrize("width", [390, 1024, 1280, 1440])
+def test_no_reason_is_cut_off(page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 900})
+    assert len(REASONS) > 40
+    assert page.evaluate(CUT_OFF, REASONS) == []
 
 
 def test_stop_stays_in_reach_when_a_phone_is_scrolled(page: Page) -> None:

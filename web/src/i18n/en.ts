@@ -251,7 +251,7 @@ export const en = {
   "reason.hold.workspace": "Held: the tool would leave the arm's workspace",
   "reason.hold.disc_turning": "The disc is turning; the arms are locked",
   "reason.hold.not_facing": "Face the sensor: the arms wait",
-  "reason.hold.not_engaged": "Not engaged: hold both open hands beside your head",
+  "reason.hold.not_engaged": "Not engaged: hold open hands beside your head",
   "reason.hold.no_frame": "No new picture; the robot waits",
   "reason.stop.estop": "Emergency stop",
   "reason.stop.body": "Crossed forearms: everything stopped",

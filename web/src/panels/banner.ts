@@ -26,6 +26,9 @@ const RING_LENGTH = 100;
 /** Codes that say what happens all the time and would hide what the operator should know. */
 const QUIET = /^(mode|limit)\.|^hold\.arm_locked$/;
 
+/** More letters than this do not fit at full size on a screen 1280 wide. */
+const LONG = 37;
+
 /** The reason to show large: a stop before a hold before a refusal; null when there is none. */
 export function mainReason(reasons: readonly string[]): string | null {
   const loud = reasons.filter((code) => !QUIET.test(code));
@@ -59,6 +62,7 @@ export class Banner implements Panel {
   private readonly ringOffset = new Attribute(this.ring, "stroke-dashoffset");
   private readonly modeText = new Text(h("strong", { class: "mode" }));
   private readonly reason = new Text(h("span", { class: "reason" }));
+  private readonly long = new Attribute(this.reason.element, "data-long");
   private readonly link = h("span", { class: "link", "data-link": "connecting" });
   private readonly source = new Text(h("span", { class: "source-badge" }));
   private readonly sourceLook = new Attribute(this.source.element, "data-source");
@@ -118,7 +122,9 @@ export class Banner implements Panel {
     this.look.set(mode);
     this.stopLook.set(String(estop));
     this.modeText.set(t(`mode.${word}` as Key));
-    this.reason.set(estop ? t("hint.estop") : words(state));
+    const reason = estop ? t("hint.estop") : words(state);
+    this.reason.set(reason);
+    this.long.set(String(reason.length > LONG));
     setIcon(this.glyph, ICONS[mode]);
     const progress = state.engage_progress > 0 && state.engage_progress < 1 ? state.engage_progress : state.engaged ? 1 : 0;
     this.ringOffset.set((RING_LENGTH * (1 - progress)).toFixed(0));
