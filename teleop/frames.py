@@ -15,6 +15,7 @@ Always y = -(v - cy) z / fy. Pixels: u column, v row.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,7 @@ from teleop.errors import FrameError
 
 DepthImage = npt.NDArray[np.uint16]
 ColorImage = npt.NDArray[np.uint8]
+_Pixel = TypeVar("_Pixel", np.uint16, np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +114,10 @@ class DepthFrame:
         c = self.color_rgb
         if c is not None and (c.dtype != np.uint8 or c.ndim != 3 or c.shape[2] != 3):
             raise FrameError(f"colour must be an 8-bit RGB image, got {c.dtype} with shape {c.shape}")
+        # one layout whatever the source: compiled kernels are compiled once, before the first frame
+        object.__setattr__(self, "depth_mm", _read_only(d))
+        if c is not None:
+            object.__setattr__(self, "color_rgb", _read_only(c))
 
     @property
     def t_s(self) -> float:
@@ -121,6 +127,13 @@ class DepthFrame:
     def without_color(self) -> DepthFrame:
         """The same frame with the colour dropped (privacy)."""
         return replace(self, color_rgb=None, color_jpeg=None)
+
+
+def _read_only(image: npt.NDArray[_Pixel]) -> npt.NDArray[_Pixel]:
+    """The image, rows without gaps, as a view that cannot be written."""
+    view = np.ascontiguousarray(image).view()
+    view.setflags(write=False)
+    return view
 
 
 def points_m(u: npt.ArrayLike, v: npt.ArrayLike, depth_m: npt.ArrayLike, camera: Camera) -> npt.NDArray[np.float64]:

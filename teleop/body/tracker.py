@@ -148,20 +148,19 @@ class BodyTracker:
         )
 
     def warm_up(self, camera: Camera) -> None:
-        """Compile every kernel by tracking two frames of a standing shape, so that the first real frame is quick."""
-        k = camera.depth
-        v, u = np.mgrid[: k.height, : k.width]
-        depth = np.zeros((k.height, k.width), np.uint16)
-        depth[(abs(u - k.cx) < 0.12 * k.fx) & (abs(v - k.cy) < 0.4 * k.fy)] = 2000
-        state = self.initial_state()
-        for t_ns in (0, 33_000_000):
-            frame = DepthFrame(t_ns, depth, camera)
-            _, state = self.step(frame, state)
-            scene = self._look(frame, None, None)
-            for label in rank(scene, None, self.config.segmentation):
-                found = candidate(frame, scene, label, self.config.segmentation)
-                if found is not None:
-                    self.estimate(frame, found, np.zeros((20, 3)))
+        """Compile every kernel by tracking a standing shape on a floor, so that the first real frame is quick.
+
+        The finder does not take the shape for a person, so all that follows it is compiled by a tracker that tracks
+        whatever stands there.
+        """
+        person = self.config.person.model_copy(update={"acquire": 0.0, "keep": 0.0, "min_cells": 0.0})
+        cascade = self.config.cascade.model_copy(update={"finder": False})
+        anything = BodyTracker(self.model, self.config.model_copy(update={"person": person, "cascade": cascade}))
+        depth_mm = _standing_shape(camera)
+        for tracker in (self, anything):
+            state = tracker.initial_state()
+            for t_ns in (0, 33_000_000, 66_000_000):
+                _, state = tracker.step(DepthFrame(t_ns, depth_mm, camera), state)
 
     def _look(self, frame: DepthFrame, floor: FloorPlane | None, window: Window | None) -> Scene:
         """The frame's surfaces, the finder beside the floor."""
@@ -204,3 +203,14 @@ class BodyTracker:
             single.joints_m, single.confidence, interval_s, state, self.config.filter
         )
         return Skeleton(t_ns, joints, confidence), state
+
+
+def _standing_shape(camera: Camera) -> npt.NDArray[np.uint16]:
+    """Depth [mm] (h, w) of a board as wide and high as a person, 2 m before a level camera 1 m above a floor."""
+    k = camera.depth
+    v, u = np.mgrid[: k.height, : k.width]
+    with np.errstate(divide="ignore"):
+        floor_mm = np.where(v > k.cy, 1000.0 * k.fy / (v - k.cy), np.inf)
+    board = (abs(u - k.cx) < 0.12 * k.fx) & (v > k.cy - 0.4 * k.fy)
+    depth_mm = np.minimum(floor_mm, np.where(board, 2000.0, np.inf))
+    return np.where(depth_mm < 6000.0, depth_mm, 0.0).astype(np.uint16)

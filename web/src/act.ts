@@ -30,7 +30,8 @@ export async function act(action: Promise<unknown>): Promise<boolean> {
   }
 }
 
-/** The emergency stop is tried again when it fails; the operator hears of every failure. */
-export async function emergencyStop(): Promise<void> {
-  for (let i = 0; i < ESTOP_TRIES; i++) if (await act(api.estop())) return;
+/** The emergency stop is tried again when it fails; the operator hears of every failure. Whether it was accepted. */
+export async function emergencyStop(): Promise<boolean> {
+  for (let i = 0; i < ESTOP_TRIES; i++) if (await act(api.estop())) return true;
+  return false;
 }

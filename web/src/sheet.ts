@@ -23,6 +23,8 @@ export class Sheet {
   }
 
   close(): void {
+    // A closed sheet's input keeps the focus until the browser draws again; keys pressed meanwhile would be lost in it.
+    if (this.element.contains(document.activeElement)) (document.activeElement as HTMLElement).blur();
     this.element.close();
   }
 

@@ -1,6 +1,6 @@
 /** Calibration step by step. The emergency stop is latched as long as it is open: the robot does not move meanwhile. */
 
-import { act } from "../act";
+import { act, emergencyStop } from "../act";
 import { api } from "../api";
 import { h } from "../dom";
 import { translated } from "../i18n";
@@ -49,7 +49,7 @@ export class Wizard implements Panel {
   }
 
   private async open(): Promise<void> {
-    if (!(await act(api.estop()))) return;
+    if (!(await emergencyStop())) return;
     this.latched = false;
     this.opened_ms = performance.now();
     this.sheet.open();

@@ -32,7 +32,8 @@ export function reasonText(code: string): string {
 
 /** Words of an event's detail: names of modes, zones and liquids are translated, what somebody wrote is left alone. */
 export function detailText(reason: string, detail: string): string {
-  const families = reason === "mode.zone_entered" ? ["zone"] : ["mode", "zone", "liquid", "hand"];
+  // a zone and the mode that it begins share some names
+  const families = reason === "mode.zone_entered" ? ["zone", "mode"] : ["mode", "zone", "liquid", "hand"];
   const word = (code: string) => families.map((family) => lookup(`${family}.${code}`)).find((found) => found !== null) ?? code;
   return detail.split(" -> ").map(word).join(" → ");
 }
