@@ -63,6 +63,7 @@ class Carried:
 class ArmSpace:
     """Free postures of both working arms in one scene. q_rear (3,) [rad]. scene: in the disc's axes.
 
+    spare_m: plants are kept away from by so much more than they must: where the robot will stand is not known better.
     Margins that the start breaks already need only not get smaller: nobody gets stuck.
     """
 
@@ -70,6 +71,7 @@ class ArmSpace:
     scene: Scene
     q_rear: FloatArray
     start: FloatArray
+    spare_m: float = 0.0
 
     def links(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rotations (9, 3, 3) and origins (9, 3) of the links at a posture (6,), in the disc's axes."""
@@ -86,7 +88,7 @@ class ArmSpace:
         pick = self.config.pick
         need = least_margins_m(self.config) + np.array([pick.arm_gap_m] * 3 + [0.002] * 3 + [0.0] * 3)
         own = margins_m(self._all(q), self.config) - need
-        plants = self.scene.gap(*self._points(q, carried), far_m=FAR_M) - pick.plant_gap_m
+        plants = self.scene.gap(*self._points(q, carried), far_m=FAR_M) - pick.plant_gap_m - self.spare_m
         if carried is not None:
             own[0] = min(own[0], self._over_box(q, carried))
         return np.append(own, plants)

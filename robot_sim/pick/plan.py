@@ -102,7 +102,7 @@ def plan_pick(
 
     def space_at(there: Stance) -> ArmSpace:
         scene = scene_around(there, scenery.standing, places, scenery.grown, name, config)
-        return ArmSpace(config, scene, q_rear, q_now)
+        return ArmSpace(config, scene, q_rear, q_now, 0.0 if stay else config.pick.arrived_m)
 
     refusal = None
     for grasp in tried:

@@ -36,9 +36,10 @@ def task_times(
     limit: Annotated[float, typer.Option(min=1.0, max=120.0, help="Seconds after which a trial has failed.")] = 20.0,
     workers: Workers = None,
 ) -> None:
-    """Pick a cucumber, spray a square metre: how long ten rendered operators take (source's table 2).
+    """Pick a cucumber, spray a square metre, pick with the robot's help: how long ten rendered operators take.
 
-    Images in, robot motion out; the operator sees only what the console shows, late. About a minute for each operator.
+    The first two are the source's table 2. Images in, robot motion out; the operator sees only what the console shows,
+    late. About a minute and a half for each operator.
     """
     from teleop.studies.task_times import SOURCE_S, WORDS, run_task_study
 

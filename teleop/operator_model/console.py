@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from robot_sim.commands import ArmName, ArmTarget
 from robot_sim.primitives import Primitive
 from robot_sim.state import RobotState
+from teleop.assist.step import AssistState
 from teleop.intent_types import BodyAngles, Hands, Mode
 from teleop.pipeline import PipelineOutput
 
@@ -20,7 +21,7 @@ class ConsoleView:
     """One painting. joint_rad, base: the robot in the 3-D view; moved: fruit there that no longer hangs where it grew.
 
     spine_xz_m: the operator on the floor map. targets: the three arms' set-points beside the operator's own angles in
-    the arms panel.
+    the arms panel. aimed: the fruit with the halo of pointing; picked: fruit and standing on the pick's card.
     """
 
     t_s: float
@@ -34,11 +35,13 @@ class ConsoleView:
     moved: Mapping[str, tuple[float, ...]]
     spray_on: bool
     wet: Wet
+    aimed: str | None = None
+    picked: tuple[str, str] | None = None
 
 
-def paint(output: PipelineOutput, robot: RobotState, wet: Wet, t_s: float) -> ConsoleView:
+def paint(output: PipelineOutput, assist: AssistState, robot: RobotState, wet: Wet, t_s: float) -> ConsoleView:
     """What the console shows after a frame."""
-    command = output.command
+    command, task = output.command, assist.task
     return ConsoleView(
         t_s=t_s,
         mode=output.intent.mode,
@@ -51,6 +54,8 @@ def paint(output: PipelineOutput, robot: RobotState, wet: Wet, t_s: float) -> Co
         moved=robot.moved,
         spray_on=robot.spray_on,
         wet=wet,
+        aimed=assist.aim.fruit,
+        picked=None if task is None else (task.fruit, str(task.status)),
     )
 
 

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 from typing import Final, Protocol, Self
 
 from robot_sim.env import GreenhouseEnv, Info
+from robot_sim.pick.plan import Scenery
+from robot_sim.pick.surroundings import hard
 from robot_sim.state import RobotState
+from teleop.assist.task import RobotView
 from teleop.frames import DepthFrame
 from teleop.inputs import Inputs
 from teleop.operator_model.body import Body, Posture, standing
@@ -64,6 +67,7 @@ def play(stage: Stage, traits: Traits, mind: Mind, pipeline: Pipeline, env: Gree
     views: list[ConsoleView] = []
     number = 0
     period_s = env.period_s
+    scenery, robot = Scenery(hard(env.world.scenery()), env.world.fruits), env.world.config
     while True:
         t_s = (number - _WARM_FRAMES) * period_s
         if t_s >= -1e-9:
@@ -71,8 +75,9 @@ def play(stage: Stage, traits: Traits, mind: Mind, pipeline: Pipeline, env: Gree
             body = body.ask(mind.posture, t_s)
         moment, body = body.at(t_s)
         frame = stage.take(moment, number, round(number * period_s * 1e9)).frame
-        output, state = pipeline.step(frame, state, Inputs(engage=number == _ENGAGE_FRAME))
+        known = RobotView(observed.robot, robot, scenery)
+        output, state = pipeline.step(frame, state, Inputs(engage=number == _ENGAGE_FRAME), known)
         observed, _, _, _, info = env.step(output.command)
-        views.append(paint(output, observed.robot, env.world.wet_leaves(), t_s + period_s))
+        views.append(paint(output, state.kernel.assist, observed.robot, env.world.wet_leaves(), t_s + period_s))
         yield Beat(t_s, frame, output, observed.robot, info, observed.coverage, mind, moment)
         number += 1

@@ -18,6 +18,7 @@ from teleop.body.tracker import BodyTracker
 from teleop.config import TeleopConfig
 from teleop.evaluation.stills import tester
 from teleop.frames import Camera, kinect_v1
+from teleop.operator_model.helped import HelpedPicker
 from teleop.operator_model.picking import Picker, ready_to_pick
 from teleop.operator_model.spraying import Leaves, Sprayer, ready_to_spray
 from teleop.operator_model.traits import Traits, traits_of
@@ -28,9 +29,10 @@ from teleop.pipeline import Pipeline
 from teleop.sources.virtual_options import SENSOR_HEIGHT_M, SENSOR_TILT_RAD
 from teleop.studies.closed_loop import Beat, Mind, play
 
-Task = Literal["pick", "spray"]
-TASKS: Final[tuple[Task, Task]] = ("pick", "spray")
-SCENARIOS: Final[dict[Task, str]] = {"pick": "pick_one", "spray": "spray_square_metre"}
+Task = Literal["pick", "spray", "helped"]
+TASKS: Final[tuple[Task, ...]] = ("pick", "spray", "helped")
+"""helped: the same pick, pointed at and confirmed; the robot does the rest."""
+SCENARIOS: Final[dict[Task, str]] = {"pick": "pick_one", "spray": "spray_square_metre", "helped": "pick_one"}
 FRAMES_PER_S: Final = 30.0
 OFF_M: Final = (0.10, 0.14)
 """How far before its place the robot stands: one chassis correction."""
@@ -83,7 +85,7 @@ def started(spec: TrialSpec) -> Scenario:
     scenario = load_scenario(SCENARIOS[spec.task])
     rng = np.random.default_rng([71, spec.seed, spec.tester, TASKS.index(spec.task)])
     off_m, lift_m, sign = rng.uniform(*OFF_M), rng.uniform(*LIFT_OFF_M), rng.choice([-1.0, 1.0])
-    lift_off_m = float(sign * lift_m) if spec.task == "pick" else 0.0
+    lift_off_m = 0.0 if spec.task == "spray" else float(sign * lift_m)
     return scenario.model_copy(
         update={"start": scenario.start.model_copy(update={"off_m": float(off_m), "lift_off_m": lift_off_m})}
     )
@@ -91,10 +93,11 @@ def started(spec: TrialSpec) -> Scenario:
 
 def mind_of(spec: TrialSpec, scenario: Scenario, env: GreenhouseEnv, traits: Traits) -> Mind:
     """The operator told what to do: which fruit, or which piece of the row."""
-    if spec.task == "pick":
+    if spec.task != "spray":
         assert scenario.start.beside_fruit is not None
         scenery = {part.name: part for part in env.world.scenery()}
-        return Picker(traits, scenario.start.beside_fruit, scenario.robot, scenery, ready_to_pick(traits))
+        mind = Picker if spec.task == "pick" else HelpedPicker
+        return mind(traits, scenario.start.beside_fruit, scenario.robot, scenery, ready_to_pick(traits))
     goal, drawn = scenario.goal, canopy([part for part in env.world.scenery() if "_leaf_" in part.name])
     assert goal.liquid_kind is not None
     inside = np.flatnonzero(((drawn.middle_m >= goal.low_m) & (drawn.middle_m <= goal.high_m)).all(axis=1))
@@ -168,7 +171,7 @@ def failure(spec: TrialSpec, beat: Beat, time_s: float) -> str:
         return "a fruit was damaged"
     if m.dropped:
         return "a fruit fell on the floor"
-    if beat.info.success and spec.task == "pick" and m.cut == 0:
+    if beat.info.success and spec.task != "spray" and m.cut == 0:
         return "the fruit was torn off, not cut"
     if beat.info.success:
         return ""
@@ -178,7 +181,7 @@ def failure(spec: TrialSpec, beat: Beat, time_s: float) -> str:
 def trace_row(task: Task, beat: Beat) -> Row:
     """One frame for the CSV: the driven arm's set-points, what the hands were read as."""
     command, hands = beat.output.command, beat.output.intent.hands
-    arm = command.right_arm if task == "pick" else command.rear_arm
+    arm = command.rear_arm if task == "spray" else command.right_arm
     c1, c2, elbow = (np.nan,) * 3 if arm is None else (arm.c1_deg, arm.c2_deg, arm.elbow_deg)
     return (
         round(beat.t_s, 3), str(beat.output.intent.mode), str(beat.mind.stage), round(beat.robot.base_x_m, 4),
