@@ -7,6 +7,7 @@ import logging
 import signal
 import socket
 import ssl
+import sys
 from collections.abc import Callable, Mapping
 
 import uvicorn
@@ -21,6 +22,9 @@ Tell = Callable[[str], None]
 Show = Callable[[Mapping[str, str]], None]
 _SEND_BUFFER = 1 << 18
 """Bytes the kernel holds back for one slow client; more would only be old pictures."""
+
+SWITCH_S = 0.0005
+"""Threads take turns this often, not every 5 ms: a stop must not wait for a picture's share of Python."""
 
 
 def listen(settings: Settings) -> socket.socket:
@@ -70,6 +74,7 @@ def serve(read: Read, listener: socket.socket, tell: Tell, show: Show, *, new_to
     read: the settings, now and for a reload. show: called once with the tokens by role when they were just made.
     """
     settings = read()
+    sys.setswitchinterval(SWITCH_S)
     tell("loading")
     from server.quiet import quiet_output
 

@@ -35,7 +35,7 @@ from teleop.safety import watchdog
 class StepContext:
     """What a step was told beside its frame and Inputs; with all three it can be done again exactly.
 
-    now_s: the step's own time, monotonic. live, speed: of the source. estop: the robot's latch before the step.
+    now_s: the step's own time, monotonic. live, speed: of the source. estop: the robot's latch before it moved.
     """
 
     now_s: float
@@ -78,6 +78,8 @@ class Core:
     ) -> None:
         self.world = world
         self.pending = Pending()
+        self.look_up: Callable[[], None] = lambda: None
+        """Called in the middle of a step, when tracking is done and nothing is decided: an e-stop need not wait."""
         self._tracker = tracker
         self._ledger = ledger
         self._clock = clock
@@ -153,6 +155,7 @@ class Core:
             interrupted=bool(self._silence),
         )
         output = self._run(arrived.frame, inputs)
+        told = replace(told, estop=self.world.state().estop)
         command = output.command
         if output.accepted:
             self._received_s, self._silence = arrived.received_s, ()
@@ -257,6 +260,7 @@ class Core:
         begin_s = self._clock()
         track, state = self._pipeline.perceive(frame, self._state, inputs)
         tracked_s = self._clock()
+        self.look_up()
         intent, state = self._pipeline.interpret(frame, track, state, inputs)
         command, state = self._pipeline.decide(intent, state, inputs, self._view)
         self._state = state

@@ -74,6 +74,8 @@ class Engine(threading.Thread):
         self._switching = threading.Lock()
         self._stopping = False
         self._pressed = False
+        self._hurry = threading.Event()
+        self._core.look_up = self._stop_in_a_hurry
         self._opened_by = (-math.inf, "")
         self._head_s = 0.0
         self._reported: str | None = None
@@ -203,13 +205,25 @@ class Engine(threading.Thread):
         return self.call(work)
 
     def estop(self, on: bool) -> Future[None]:
-        """Latch the emergency stop, or release it. A stop is followed at once: it waits for no frame and no tick."""
+        """Latch the emergency stop, or release it. A stop is followed at once: it waits for no frame and no tick.
+
+        The robot stops in the middle of the step that is under way; that it is stopped is told in order.
+        """
+        if on:
+            self._hurry.set()
 
         def work() -> None:
             (self._core.estop if on else self._core.estop_reset)()
             self._pressed |= on
+            if on:
+                self._hurry.clear()
 
         return self.call(work)
+
+    def _stop_in_a_hurry(self) -> None:
+        if self._hurry.is_set():
+            self._hurry.clear()
+            self._core.estop()
 
     def ask(self, request: RobotRequest, for_s: float) -> Future[None]:
         """Direct control; speeds are repeated for ``for_s`` seconds."""

@@ -173,3 +173,21 @@ def test_a_loop_puts_the_robot_back_to_its_start(core: tuple[Core, Clock]) -> No
     assert engine.world.state().joint_rad["lift"] > 0.25
     moment = engine.on_frame(Arrived(frames()[0], clock.now, 0.0, restarted=True), live=False, speed=1.0)
     assert moment.robot.joint_rad["lift"] < 0.15
+
+
+def test_a_stop_asked_for_while_a_picture_is_tracked_counts_in_that_step(core: tuple[Core, Clock]) -> None:
+    engine, clock = core
+    engine.pending.ask(RobotRequest(drive_m_s=0.3), clock.now + 9.0)
+    play(engine, clock, 0, 20)
+    before = engine.world.state().drive_m_s
+    assert before > 0.2
+    engine.look_up = lambda: engine.estop()
+    clock.now += 1 / 30
+    moment = engine.on_frame(Arrived(frames()[20], clock.now, 20 / 30), live=False, speed=1.0)
+    assert moment.told is not None and moment.told.estop, "so that a replay stops there, too"
+    assert moment.robot.estop and moment.robot.drive_m_s < before - 0.1
+    assert not moment.inputs.estop, "the operator's state learns it with the next inputs"
+    engine.look_up = lambda: None
+    clock.now += 1 / 30
+    after = engine.on_frame(Arrived(frames()[21], clock.now, 21 / 30), live=False, speed=1.0)
+    assert after.inputs.estop and Reason.ESTOP in after.command.reasons

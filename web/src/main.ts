@@ -91,7 +91,10 @@ const painter = new Painter(
   (state: State, now_ms: number) => {
     for (const panel of panels) panel.state?.(state, now_ms);
   },
-  (seq, paint_ms) => connection.send({ type: "painted", seq, paint_ms }),
+  (seq, paint_ms) => {
+    connection.send({ type: "painted", seq, paint_ms });
+    scene.painted(paint_ms);
+  },
 );
 
 function receive(message: ServerMessage, received_ms: number): void {

@@ -105,6 +105,11 @@ export class ScenePanel implements Panel {
     this.stage?.state(state);
   }
 
+  /** An overlay is on the screen, so long after its state came. */
+  painted(paint_ms: number): void {
+    this.stage?.painted(paint_ms);
+  }
+
   /** Held until the 3-D code is here. */
   coverage(coverage: Coverage): void {
     this.wet = coverage;

@@ -28,6 +28,12 @@ import { AISLE_HALF_WIDTH_M, type Scenery, buildScenery, disposeScenery } from "
 
 const MIN_PERIOD_MS = 33;
 const SOFTWARE_PERIOD_MS = 80;
+const SOFTWARE_SLOWEST_MS = 500;
+/** An overlay painted later than this after its state came was kept waiting. */
+const LATE_MS = 33;
+/** One late overlay in about seven keeps the pace as it is. */
+const SLOWER = 1.1;
+const QUICKER = 0.985;
 /** How often a picture being drawn is asked whether it is finished. */
 const POLL_MS = 8;
 /** Drawing by the processor takes its time from tracking and simulation: rest four times as long as a picture takes. */
@@ -67,7 +73,8 @@ export class Stage {
   private scheduled = false;
   private drawn_ms = -Infinity;
   private readonly rest: number;
-  private readonly period_ms: number;
+  private readonly software: boolean;
+  private period_ms: number;
   private visible = true;
   private fence: WebGLSync | null = null;
   private fenced_ms = 0;
@@ -86,6 +93,7 @@ export class Stage {
     private readonly over: (fruit: string | null) => void = () => {},
   ) {
     const software = drawnBySoftware();
+    this.software = software;
     this.rest = software ? SOFTWARE_REST : 0;
     this.period_ms = software ? SOFTWARE_PERIOD_MS : MIN_PERIOD_MS;
     this.renderer = new WebGLRenderer({
@@ -184,6 +192,16 @@ export class Stage {
     this.controls.target.copy(HOME_TARGET_M).add(this.base);
     this.controls.update();
     this.invalidate();
+  }
+
+  /**
+   * How long the overlay took. Without a GPU pictures of the scene take their time from everything else, also from the
+   * stop button: they come less often as long as overlays come late.
+   */
+  painted(paint_ms: number): void {
+    if (!this.software) return;
+    const pace_ms = this.period_ms * (paint_ms > LATE_MS ? SLOWER : QUICKER);
+    this.period_ms = Math.min(Math.max(pace_ms, SOFTWARE_PERIOD_MS), SOFTWARE_SLOWEST_MS);
   }
 
   /** Hides the row that stands between the eye and the robot. */
