@@ -48,7 +48,10 @@ export function webglWorks(): boolean {
 
 function drawnBySoftware(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
-  return gl !== null && /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(gl.RENDERER)));
+  if (!gl) return false;
+  // the plain name is masked in some browsers
+  const unmasked = gl.getExtension("WEBGL_debug_renderer_info")?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER;
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(gl.getParameter(unmasked)));
 }
 
 export class Stage {
