@@ -89,7 +89,8 @@ def _nothing(on: Stage) -> None:
 
 def _drop_every_other(on: Stage) -> None:
     seen = on.scene
-    on.scene = lambda i: seen(i) if i % 3 == 0 else None
+    # those that come are not one and the same picture, which would count as frozen
+    on.scene = lambda i: seen(i // 2) if i % 2 == 0 else None
 
 
 def _duplicates(on: Stage) -> None:
@@ -201,7 +202,7 @@ def _frozen(on: Stage) -> None:
 FAULTS: Final[tuple[Fault, ...]] = (
     Fault("no more frames", "forward", _nothing, "still", ("hold.no_frame",)),
     Fault("no more frames", "spraying", _nothing, "still", ("hold.no_frame",)),
-    Fault("two of three frames dropped", "picking", _drop_every_other, "steady", ("hold.arm_locked",)),
+    Fault("every other frame dropped", "picking", _drop_every_other, "steady", ("hold.arm_locked",)),
     Fault("every frame twice", "picking", _duplicates, "steady", ("refused.frame_duplicate",)),
     Fault("the same frame for ever", "forward", _all_duplicates, "still", ("refused.frame_duplicate",)),
     Fault("every other frame reordered", "picking", _reordered, "steady", ("refused.frame_reordered",)),
@@ -243,7 +244,7 @@ def prepare(on: Stage, fault: Fault) -> None:
     on.post("/estop/reset")
     if on.camera_gone:
         on.open()
-    time.sleep(0.5)
+    await_calm(on)
     if fault.mode == "seen":
         on.post("/disengage")
     elif fault.mode != "no_person":
@@ -252,6 +253,21 @@ def prepare(on: Stage, fault: Fault) -> None:
     if fault.mode in ("held", "no_person"):
         on.calm("nobody")
     on.await_mode(fault.mode)
+
+
+def await_calm(on: Stage, calm_s: float = 0.7, most_s: float = 10.0) -> None:
+    """Wait until the fault before is over: nothing refused, frames coming, nobody lost, for longer than a watchdog.
+
+    Raises RuntimeError when that does not come.
+    """
+    begun_s = time.monotonic()
+    while time.monotonic() - begun_s < most_s:
+        time.sleep(0.05)
+        recent = on.watch.since(max(begun_s, time.monotonic() - calm_s))
+        codes = [code for _, state in recent for code in state["reasons"]]
+        if time.monotonic() - begun_s > calm_s and recent and not any(c.startswith(_DISTURBED) for c in codes):
+            return
+    raise RuntimeError(f"the fault before is not over: {sorted(set(codes))}")
 
 
 def settle(on: Stage, most_s: float) -> None:
@@ -264,6 +280,9 @@ def settle(on: Stage, most_s: float) -> None:
         if told and not easing and all(t == told[0] for t in told):
             return
         time.sleep(0.1)
+
+
+_DISTURBED = ("refused.", "stop.", "hold.no_frame", "hold.tracking_lost")
 
 
 def _targets(state: State) -> dict[str, tuple[float, ...] | None]:

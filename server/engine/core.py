@@ -160,7 +160,7 @@ class Core:
         if output.accepted:
             self._received_s, self._silence = arrived.received_s, ()
         else:
-            command = self._watched(now_s) or command
+            command = self._for_refused(command, now_s)
         robot = self._move(command, told)
         self._last = Moment(
             arrived.frame,
@@ -276,6 +276,14 @@ class Core:
         received_ns = None if self._received_s is None else round(self._received_s * 1e9)
         command = watchdog(received_ns, round(now_s * 1e9), self._settings.teleop.intent.safety)
         return None if command is None else replace(command, t_ns=self._t_ns)
+
+    def _for_refused(self, command: RobotCommand, now_s: float) -> RobotCommand:
+        """What a frame that was refused leads to; the watchdog's command keeps why it was."""
+        watched = self._watched(now_s)
+        if watched is None:
+            return command
+        refused = (code for code in command.reasons if code.startswith("refused."))
+        return replace(watched, reasons=(*watched.reasons, *refused))
 
     def _silence_events(self, command: RobotCommand) -> tuple[Event, ...]:
         """One event when the watchdog (or the source's fault) begins to stop the robot, or stops it harder."""

@@ -19,6 +19,7 @@ from teleop.body.layers import one_thread_products
 from teleop.body.model import BodyModel
 from teleop.body.person import person_features, person_probability
 from teleop.body.segmentation import Candidate, Scene, candidate, grid_mask, look, rank, window_round
+from teleop.body.unbend import unbend
 from teleop.body.votes import Proposals, propose, vote_weights
 from teleop.config.body import BodyConfig
 from teleop.frames import Camera, DepthFrame
@@ -137,7 +138,7 @@ class BodyTracker:
             if config.cascade.enabled:
                 confidence = trust(placed.cues, cascade.trust)
                 sure = confidence >= config.cascade.min_confidence
-                joints = np.where(sure[:, None], placed.joints_m, np.nan)
+                joints = unbend(np.where(sure[:, None], placed.joints_m, np.nan), placed.spread_m, config.elbow)
         return Single(joints, confidence, parts, forest_m, proposals, placed)
 
     def cues(self, frame: DepthFrame, found: Candidate, single: Single) -> npt.NDArray[np.float64]:

@@ -112,6 +112,28 @@ class CascadeConfig(Section):
     )
 
 
+class ElbowConfig(Section):
+    """What is taken back of the elbow's mean error, see teleop.body.unbend."""
+
+    enabled: bool = Field(True, description="false leaves the elbows where the networks place them")
+    noise: float = Field(
+        3.0,
+        ge=0,
+        le=20,
+        description="variances of the bend taken from its square [1]; 2 by theory, fitted to 30 people, whose errors "
+        "are a little larger than the networks say",
+    )
+    caution: float = Field(
+        14.0,
+        ge=0,
+        le=200,
+        description="growth of a bend beyond the middle, times its variance [1/rad2]; fitted to 30 people",
+    )
+    middle_deg: float = Field(
+        40.0, ge=0, le=180, description="bend that hard to see forearms are drawn to [deg]; fitted"
+    )
+
+
 class PersonConfig(Section):
     """Deciding whether a surface is a person."""
 
@@ -162,6 +184,7 @@ class BodyConfig(Section):
     proposals: ProposalConfig = Field(default_factory=ProposalConfig)
     skeleton: SkeletonConfig = Field(default_factory=SkeletonConfig)
     cascade: CascadeConfig = Field(default_factory=CascadeConfig)
+    elbow: ElbowConfig = Field(default_factory=ElbowConfig)
     person: PersonConfig = Field(default_factory=PersonConfig)
     bones: BonesConfig = Field(default_factory=BonesConfig)
     filter: FilterConfig = Field(default_factory=FilterConfig)
