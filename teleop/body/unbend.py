@@ -50,8 +50,9 @@ def _moved(shoulder_m: Floats, elbow_m: Floats, wrist_m: Floats, spread_m: Float
     # the three joints' errors, as they move the elbow against the line
     share = fore_m / (upper_m + fore_m)
     noise_m = np.sqrt(spread_m[1] ** 2 + (share * spread_m[0]) ** 2 + ((1.0 - share) * spread_m[2]) ** 2)
-    variance = (noise_m * (1.0 / upper_m + 1.0 / fore_m)) ** 2
-    meant_rad = np.sqrt(max(bend_rad**2 - config.noise * variance, 0.0))
+    variance = min(noise_m * (1.0 / upper_m + 1.0 / fore_m), np.radians(config.most_spread_deg)) ** 2
+    straight = np.exp(-((bend_rad / np.radians(config.straight_deg)) ** 2))
+    meant_rad = np.sqrt(max(bend_rad**2 - config.noise * straight * variance, 0.0))
     meant_rad += config.caution * variance * max(bend_rad - np.radians(config.middle_deg), 0.0)
     # radians of bend that a metre across the line makes
     per_m = max(along_m / upper_m**2 + (long_m - along_m) / fore_m**2, 1.0)

@@ -117,20 +117,26 @@ class ElbowConfig(Section):
 
     enabled: bool = Field(True, description="false leaves the elbows where the networks place them")
     noise: float = Field(
-        3.0,
+        4.0,
         ge=0,
         le=20,
-        description="variances of the bend taken from its square [1]; 2 by theory, fitted to 30 people, whose errors "
-        "are a little larger than the networks say",
+        description="variances taken from a straight arm's squared bend [1]; 2 by theory, fitted to 30 "
+        "people, whose errors are larger than the networks say",
+    )
+    straight_deg: float = Field(
+        8.0, gt=0, le=90, description="an arm bent by more is hardly straight any more [deg]; fitted"
     )
     caution: float = Field(
-        14.0,
-        ge=0,
-        le=200,
-        description="growth of a bend beyond the middle, times its variance [1/rad2]; fitted to 30 people",
+        10.0, ge=0, le=200, description="growth of a bend beyond the middle, times its variance [1/rad2]; fitted"
     )
     middle_deg: float = Field(
         40.0, ge=0, le=180, description="bend that hard to see forearms are drawn to [deg]; fitted"
+    )
+    most_spread_deg: float = Field(
+        3.5,
+        gt=0,
+        le=45,
+        description="standard deviation that counts at most [deg]: who is that unsure may be all wrong",
     )
 
 
