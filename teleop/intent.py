@@ -120,13 +120,17 @@ def _observe(
 
 
 def _legs(state: IntentState, config: IntentConfig) -> tuple[float | None, float | None]:
-    """T1 and T2 of legs that are known well enough, and stand, to choose a task by."""
+    """T1 and T2 of legs that are known well enough, and stand, to choose a task by.
+
+    A walk to or from the sensor hardly spreads the legs, so it may be faster before T1 says nothing.
+    """
     body = state.sight.body if state.sight.seen_now else None
     if body is None or body.confidence[LEGS].min() < config.mapping.min_confidence:
         return None, None
-    if state.gait.speed_m_s > config.task.still_m_s:
-        return None, None
-    return leg_angles(body, config.angles)
+    T1_deg, T2_deg = leg_angles(body, config.angles)
+    gait, task = state.gait, config.task
+    spreads = gait.side_m_s > task.still_m_s or gait.ahead_m_s > task.ahead_m_s
+    return None if spreads else T1_deg, None if gait.speed_m_s > task.still_m_s else T2_deg
 
 
 def interpret(

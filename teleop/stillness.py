@@ -8,10 +8,16 @@ from math import exp, hypot
 
 @dataclass(frozen=True, slots=True)
 class Gait:
-    """Low-passed place of the spine on the floor [m] and its speed [m/s]."""
+    """Low-passed place of the spine on the floor [m]; its speeds to the side and to or from the sensor [m/s]."""
 
     xz_m: tuple[float, float] | None = None
-    speed_m_s: float = 0.0
+    side_m_s: float = 0.0
+    ahead_m_s: float = 0.0
+
+    @property
+    def speed_m_s(self) -> float:
+        """Speed over the floor."""
+        return hypot(self.side_m_s, self.ahead_m_s)
 
 
 def step_gait(gait: Gait, spine_xz_m: tuple[float, float] | None, dt_s: float, smoothing_s: float) -> Gait:
@@ -24,4 +30,4 @@ def step_gait(gait: Gait, spine_xz_m: tuple[float, float] | None, dt_s: float, s
     # a ramp lags behind its low-pass by speed times time constant
     share = 1.0 - exp(-dt_s / smoothing_s)
     place = (gait.xz_m[0] + share * dx, gait.xz_m[1] + share * dz)
-    return Gait(place, hypot(spine_xz_m[0] - place[0], spine_xz_m[1] - place[1]) / smoothing_s)
+    return Gait(place, abs(spine_xz_m[0] - place[0]) / smoothing_s, abs(spine_xz_m[1] - place[1]) / smoothing_s)

@@ -30,7 +30,9 @@ def step_task(
     state: TaskState, T1_deg: float | None, T2_deg: float | None, dt_s: float, config: TaskConfig
 ) -> TaskState:
     """One frame in the working zone; unknown angles change nothing."""
-    border = Border(config.margin_deg, config.evidence_deg_s, config.clip_deg)
+    border = Border(
+        config.margin_deg, config.evidence_deg_s, config.clip_deg, config.noise_deg, config.quiet, config.noise_memory_s
+    )
     apart = step_switch(state.apart, T1_deg, config.T1_deg, dt_s, border)
     stride = step_switch(state.stride, T2_deg, config.T2_deg, dt_s, border)
     stride_s = state.stride_s + dt_s if stride.above else 0.0

@@ -88,11 +88,17 @@ class TaskConfig(Section):
         le=5.0,
         description="legs of a spine faster than this are walking: no evidence [m/s]; ours",
     )
+    ahead_m_s: float = Field(
+        default=1.2,
+        ge=0.05,
+        le=5.0,
+        description="the same for T1 and a spine that comes nearer or goes away, which hardly spreads legs [m/s]; ours",
+    )
     gait_smoothing_s: float = Field(
-        default=0.15,
+        default=0.1,
         ge=0.02,
         le=2.0,
-        description="time constant of the spine's speed [s]; ours: 20 mm RMS of noise reads as less than 0.1 m/s",
+        description="time constant of the spine's speed [s]; ours: 20 mm RMS of noise reads as less than 0.2 m/s",
     )
     T2_hold_s: float = Field(default=4.0, ge=0.0, le=30.0, description="how long T2 must be exceeded [s]; source")
     margin_deg: float = Field(
@@ -103,6 +109,15 @@ class TaskConfig(Section):
         ge=0.0,
         le=20.0,
         description="accumulated deviation that decides [deg s]; zero flips at 20 mm RMS noise",
+    )
+    noise_deg: float = Field(
+        default=3.0, ge=0.0, le=45.0, description="noise of the angles for which that is asked [deg]; 20 mm RMS"
+    )
+    quiet: float = Field(
+        default=0.2, gt=0.0, le=1.0, description="share of it that is asked of angles without noise [1]; ours"
+    )
+    noise_memory_s: float = Field(
+        default=0.5, ge=0.05, le=10.0, description="the noise is a mean over about so long [s]; ours"
     )
     clip_deg: float = Field(
         default=15.0, ge=1.0, le=90.0, description="largest deviation counted in one frame [deg]; outliers"

@@ -70,3 +70,21 @@ def test_head_camera_stays_for_a_short_stride() -> None:
     for i in range(300):
         state = step_task(state, 5.0, 25.0 if i % 90 < 80 else 0.0, DT_S, CONFIG)
         assert not state.head_camera_sweep
+
+
+def test_legs_that_hardly_tremble_decide_sooner() -> None:
+    def delay_s(noise_deg: float) -> float:
+        rng = np.random.default_rng(3)
+        T1 = np.interp(np.arange(120), [60, 68], [4.0, 17.0]) + rng.normal(0.0, noise_deg, 120)
+        return (tasks(list(T1)).index(Mode.PICKING) - 60) * DT_S
+
+    assert delay_s(0.3) <= 0.35
+    assert delay_s(CONFIG.noise_deg) > 1.5 * delay_s(0.3)
+
+
+def test_noise_that_begins_on_the_threshold_does_not_flip() -> None:
+    for seed in range(40):
+        noise = np.random.default_rng(seed).normal(0.0, CONFIG.noise_deg, 300)
+        for start, task in ((9.0, Mode.SPRAYING), (15.0, Mode.PICKING)):
+            out = tasks([start] * 60 + list(12.0 + noise))
+            assert set(out[60:]) == {task}, seed

@@ -102,7 +102,7 @@ export class FloorPanel implements Panel {
       this.label(`floor.turn.${turn}`, x, (near + far) / 2 + 0.12, "");
     }
     this.label("zone.forward", 0, (near + work) / 2 + 0.04, "");
-    this.label("zone.work", 0, work + 0.27, "large");
+    this.label("zone.work", 0, back - 0.31, ""); // the operator mostly stands in the nearer half
     this.label("zone.back", 0, (back + far) / 2 + 0.04, "");
   }
 
