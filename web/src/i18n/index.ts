@@ -32,10 +32,14 @@ export function reasonText(code: string): string {
 
 /** Words of an event's detail: names of modes, zones and liquids are translated, what somebody wrote is left alone. */
 export function detailText(reason: string, detail: string): string {
+  const parts = detail.split(" -> ");
   // a zone and the mode that it begins share some names
-  const families = reason === "mode.zone_entered" ? ["zone", "mode"] : ["mode", "zone", "liquid", "hand"];
+  const zones = reason === "mode.zone_entered" && parts.every((part) => lookup(`zone.${part}`) !== null);
+  const families = zones ? ["zone"] : ["mode", "zone", "liquid", "hand"];
+  // what the robot says beside the name of a fruit is English; in Chinese the reason has its own words
+  if (current === "zh" && /^(pick|assist)\./.test(reason)) return detail.split(": ")[0] ?? detail;
   const word = (code: string) => families.map((family) => lookup(`${family}.${code}`)).find((found) => found !== null) ?? code;
-  return detail.split(" -> ").map(word).join(" → ");
+  return parts.map(word).join(" → ");
 }
 
 /** Elements whose words follow the language, also those that are not in the page just now. */
