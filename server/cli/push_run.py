@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ssl
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from pathlib import Path
 from urllib.parse import urlsplit
 
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus, InvalidURI
 from websockets.sync.client import ClientConnection, connect
 
 from teleop.errors import SourceError
@@ -17,6 +19,8 @@ from teleop.sources.base import Source
 from teleop.sources.push_codec import PushWindow, decode_ack, encode_camera, encode_frame
 
 RETRY_S = 0.5
+_STATUS = {4401: 401, 4403: 403}
+"""Codes with which the server hangs up on who may not push, and what they would be over HTTP."""
 GIVE_UP_S = 30.0
 """A server that restarts is back by then; a wrong address is told at once."""
 
@@ -24,13 +28,16 @@ GIVE_UP_S = 30.0
 @dataclass(frozen=True, slots=True)
 class PushOptions:
     """seconds: how long. color: whether it is sent. loop: again at the end. window: frames on the way at most.
-    lost_s: an answer that takes longer counts as lost."""
+    lost_s: an answer that takes longer counts as lost. token: of a role that may command, needed from another machine.
+    ca: certificate (PEM) that the server's is signed by, where the system does not know it."""
 
     seconds: float | None = None
     color: bool = True
     loop: bool = False
     window: int = 8
     lost_s: float = 1.0
+    token: str | None = None
+    ca: Path | None = None
 
 
 @dataclass(slots=True)
@@ -81,6 +88,8 @@ class _Line:
         self._window = PushWindow(options.window, options.lost_s)
         self._answered = False
         self._until_s = 0.0
+        self._headers = {"Authorization": f"Bearer {options.token}"} if options.token else {}
+        self._tls = None if options.ca is None else _trusting(options.ca)
 
     def open(self, *, patient: bool) -> None:
         """Connect and announce the camera; a patient one tries again for a while. Raises SourceError."""
@@ -88,11 +97,18 @@ class _Line:
             self._until_s = time.monotonic() + GIVE_UP_S
         while True:
             try:
-                self._socket = self._hold.enter_context(connect(self._url, open_timeout=5, max_size=1 << 20))
+                opened = connect(
+                    self._url, open_timeout=5, max_size=1 << 20, additional_headers=self._headers, ssl=self._tls
+                )
+                self._socket = self._hold.enter_context(opened)
                 info = self._source.info
                 self._socket.send(encode_camera(info.camera, has_color=info.has_color and self._options.color))
+            except InvalidStatus as error:
+                self.close()
+                raise SourceError(_refused(self._url, error.response.status_code, self._options)) from None
             except (OSError, TimeoutError, InvalidHandshake, InvalidURI, ConnectionClosed) as error:
                 self.close()
+                self._raise_if_turned_away(error)
                 if not patient or time.monotonic() > self._until_s:
                     why = str(error) or type(error).__name__
                     raise SourceError(
@@ -116,8 +132,9 @@ class _Line:
                 return True
             self._socket.send(encode_frame(frame))
             self._count.sent += 1
-        except ConnectionClosed:
+        except ConnectionClosed as closed:
             self.close()
+            self._raise_if_turned_away(closed)
             return False
         except SourceError:
             # after a break the server may for a while believe that the connection before is still there
@@ -127,6 +144,12 @@ class _Line:
             time.sleep(RETRY_S)
             return False
         return True
+
+    def _raise_if_turned_away(self, error: Exception) -> None:
+        """Raises SourceError for a server that hung up because of who we are; trying again would not help."""
+        closed = error.rcvd if isinstance(error, ConnectionClosed) else None
+        if closed is not None and closed.code in _STATUS:
+            raise SourceError(_refused(self._url, _STATUS[closed.code], self._options)) from None
 
     def finish(self) -> None:
         """Wait a moment for the last answers, so that the server has taken the last frame."""
@@ -182,7 +205,24 @@ def paced(source: Source, options: PushOptions) -> Iterator[DepthFrame]:
             return
 
 
+def _trusting(ca: Path) -> ssl.SSLContext:
+    """Raises SourceError when the file is no certificate."""
+    try:
+        return ssl.create_default_context(cafile=ca)
+    except (ssl.SSLError, OSError) as error:
+        raise SourceError(f"{ca} cannot be used as a certificate: {error}; --ca takes a PEM file") from None
+
+
+def _refused(url: str, status: int, options: PushOptions) -> str:
+    """What to do about a server that answers, but not as wanted."""
+    if status in (401, 403) and options.token is None:
+        return f"{url} wants a token; give one of an operator with --token or TELEOP_TOKEN"
+    if status in (401, 403):
+        return f"{url} does not take this token; give one of an operator, as 'teleop serve' showed at its first start"
+    return f"{url} answers {status}; the address of a server ends with /api/v1/push"
+
+
 def _check(url: str) -> None:
     parts = urlsplit(url)
     if parts.scheme not in ("ws", "wss") or not parts.hostname:
-        raise SourceError(f"'{url}' is no websocket address; give one such as ws://192.168.1.20:8000/api/v1/push")
+        raise SourceError(f"'{url}' is no websocket address; give one such as wss://192.168.1.20:8000/api/v1/push")

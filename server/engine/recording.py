@@ -76,7 +76,13 @@ class SessionRecorder:
             metadata=description,
             config=self._config,
         )
-        self._recorder = AsyncRecorder(writer, capacity=self._config.queue_frames, on_event=on_event, lossless=lossless)
+        self._recorder = AsyncRecorder(
+            writer,
+            capacity=self._config.queue_frames,
+            on_event=on_event,
+            lossless=lossless,
+            flush_s=self._config.flush_s,
+        )
         self._live = info.live
         self._stored: OrderedDict[int, bool] = OrderedDict()
         self._last_ns: int | None = None

@@ -1,12 +1,14 @@
 """Recording off the hot path: a bounded queue before the writer, and a thread of its own behind it.
 
-Under pressure colour and skeletons give way first, then depth; events, inputs and track rows never do. Every loss is
-counted and reported once as an event. A write error ends the recording, never the teleoperation.
+Under pressure colour and skeletons give way first, then depth; events, inputs and track rows never do. What begins
+to give way is reported as an event, and when the pressure is over how much of each is missing. What was written is on
+the disk within ``flush_s`` also when nothing follows it. A write error ends the recording, never the teleoperation.
 """
 
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -48,6 +50,7 @@ class AsyncRecorder:
         capacity: int = CAPACITY_FRAMES,
         on_event: Callable[[Event], None] | None = None,
         lossless: bool = False,
+        flush_s: float = 1.0,
     ) -> None:
         """writer: open, owned from now on. capacity: frames held back. on_event: called from the writing thread.
 
@@ -56,6 +59,7 @@ class AsyncRecorder:
         self._writer = writer
         self._capacity = capacity
         self._lossless = lossless
+        self._flush_s = flush_s
         self._on_event = on_event
         self._work: deque[tuple[bool, int, Callable[[], None]]] = deque()
         self._changed = threading.Condition()
@@ -64,7 +68,9 @@ class AsyncRecorder:
         self._frames_dropped = 0
         self._colors_dropped = 0
         self._skeletons_dropped = 0
-        self._reported_drop = False
+        self._missing: dict[str, int] = {}
+        self._missing_ns = 0
+        self._unflushed_since_s: float | None = None
         self._error: str | None = None
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
@@ -163,12 +169,20 @@ class AsyncRecorder:
         return True
 
     def _report_drop(self, t_ns: int, what: str) -> None:
-        """Queue one event per stretch of pressure; the lock is held."""
-        if self._reported_drop:
-            return
-        self._reported_drop = True
-        event = Event(t_ns, "recording", REASON_DROPPED, f"{what} left out: the disk is slower than the camera")
-        self._put(False, t_ns, lambda: self._announce(event))
+        """Count a loss; the first of its kind in a stretch of pressure queues an event. The lock is held."""
+        self._missing[what] = self._missing.get(what, 0) + 1
+        self._missing_ns = t_ns
+        if self._missing[what] == 1:
+            event = Event(t_ns, "recording", REASON_DROPPED, f"{what} left out: the disk is slower than the camera")
+            self._put(False, t_ns, lambda: self._announce(event))
+
+    def _end_of_pressure(self) -> Event | None:
+        """What is missing since the pressure began, once it is over; the lock is held."""
+        if self._work or not self._missing:
+            return None
+        told = ", ".join(f"{what} {count}" for what, count in self._missing.items())
+        self._missing = {}
+        return Event(self._missing_ns, "recording", REASON_DROPPED, f"in all left out: {told}")
 
     def _announce(self, event: Event) -> None:
         self._writer.write_event(event)
@@ -187,18 +201,33 @@ class AsyncRecorder:
                 with self._changed:
                     self._frames_queued -= is_frame
                     self._frames_written += is_frame
-                    if self._frames_queued == 0:
-                        self._reported_drop = False
+                    over = self._end_of_pressure()
                     self._changed.notify_all()
+                if over is not None:
+                    self._announce(over)
+                self._flush_if_due()
             self._writer.close()
         except RecordingError as error:
             self._stop(t_ns, str(error))
             self._abandon()
 
+    def _flush_if_due(self) -> None:
+        """The writer flushes by the messages' time, which may stand still; this is by the clock."""
+        now_s = time.monotonic()
+        if self._unflushed_since_s is None:
+            self._unflushed_since_s = now_s
+        elif now_s - self._unflushed_since_s >= self._flush_s:
+            self._writer.flush()
+            self._unflushed_since_s = None
+
     def _next(self) -> tuple[bool, int, Callable[[], None]] | None:
+        """The next write; a flush when nothing has come for a while; None at the end."""
         with self._changed:
             while not self._work and not self._closing:
-                self._changed.wait()
+                quiet = not self._changed.wait(None if self._unflushed_since_s is None else self._flush_s)
+                if quiet and self._unflushed_since_s is not None and not self._work:
+                    self._unflushed_since_s = None
+                    return False, 0, self._writer.flush
             return self._work.popleft() if self._work and self._error is None else None
 
     def _stop(self, t_ns: int, why: str) -> None:

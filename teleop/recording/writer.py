@@ -64,6 +64,7 @@ class McapWriter:
         self._flush_ns = round(config.flush_s * 1e9)
         self._last_depth_ns = -1
         self._next_flush_ns: int | None = None
+        self._chunk_begins = False
         self._color_info_due = True
         self._closed = False
 
@@ -145,6 +146,7 @@ class McapWriter:
             self._mcap.flush()
         except RuntimeError as error:
             raise self._failure(error) from None
+        self._chunk_begins = True
         self._check()
 
     def close(self) -> None:
@@ -180,9 +182,10 @@ class McapWriter:
         if not 0 <= t_ns < MAX_T_NS:
             raise RecordingError(f"times in a recording must be from 0 to below {MAX_T_NS} ns, got {t_ns} ns")
         first = self._next_flush_ns is None
-        if self._next_flush_ns is None or t_ns >= self._next_flush_ns:
-            if not first:
+        if self._next_flush_ns is None or self._chunk_begins or t_ns >= self._next_flush_ns:
+            if not first and not self._chunk_begins:
                 self.flush()
+            self._chunk_begins = False
             # the chunk of the first frame is closed as soon as another time begins
             self._next_flush_ns = t_ns + (1 if first else self._flush_ns)
             self._color_info_due = True

@@ -10,10 +10,11 @@ from pathlib import Path
 
 import httpx
 import pytest
-from live_server import COUNT, running, write_walk
+from live_server import COUNT, TOKEN, running, write_walk
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
 
+from server.access.roles import Role
 from server.cli.push_run import PushOptions, paced, push_frames
 from server.engine.engine import Engine
 from teleop.errors import SourceError
@@ -69,6 +70,29 @@ def test_a_server_that_is_busy_refuses_in_one_line(server: tuple[str, Engine], w
 def test_a_wrong_address_is_one_error(walk: McapSource, address: str) -> None:
     with pytest.raises(SourceError, match="is no websocket address"):
         push_frames(walk, address, PushOptions())
+
+
+@pytest.mark.parametrize(
+    ("token", "why"), [(TOKEN[Role.VIEWER], "does not take this token"), ("guess", "does not take this")]
+)
+def test_a_token_that_may_not_push_is_one_error(
+    server: tuple[str, Engine], walk: McapSource, token: str, why: str
+) -> None:
+    with pytest.raises(SourceError, match=why):
+        push_frames(walk, push_url(server[0]), PushOptions(token=token))
+
+
+def test_an_operators_token_opens_the_line(server: tuple[str, Engine], walk: McapSource) -> None:
+    url, engine = server
+    while engine.session is not None:
+        engine.close_session(engine.session.id)
+    assert push_frames(walk, push_url(url), PushOptions(window=30, token=TOKEN[Role.OPERATOR])).sent == 30
+
+
+def test_a_certificate_that_is_none_is_one_error(walk: McapSource, tmp_path: Path) -> None:
+    (tmp_path / "ca.pem").write_text("nothing")
+    with pytest.raises(SourceError, match="--ca takes a PEM file"):
+        push_frames(walk, "wss://127.0.0.1:1/api/v1/push", PushOptions(ca=tmp_path / "ca.pem"))
 
 
 def test_nobody_there_is_told_at_once(walk: McapSource) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -76,8 +77,10 @@ def test_colour_gives_way_before_depth_and_events_never_do(tmp_path: Path) -> No
     assert len(source.file.topics[topics.COLOR].t_ns) == 5
     events = [row for _, row in source.rows(topics.EVENTS)]
     assert sum(row["kind"] == "test" for row in events) == 29
-    assert [row["reason"] for row in events if row["kind"] == "recording"] == [REASON_DROPPED]
-    assert [event.reason for event in told] == [REASON_DROPPED]
+    reported = [row["detail"] for row in events if row["kind"] == "recording"]
+    assert [detail.split(" left")[0] for detail in reported] == ["skeletons", "colour", "depth", "in all"]
+    assert reported[-1] == "in all left out: skeletons 26, colour 5, depth 20"
+    assert [event.detail for event in told] == reported and {event.reason for event in told} == {REASON_DROPPED}
 
 
 def test_a_write_error_ends_the_recording_and_nothing_else(tmp_path: Path) -> None:
@@ -110,6 +113,29 @@ def test_a_disk_that_hangs_does_not_hang_the_caller(tmp_path: Path) -> None:
     status = recorder.close(timeout_s=0.05)
     assert status.error is not None and "did not take" in status.error
     writer.release.set()
+
+
+@pytest.mark.parametrize("stream_goes_on", [True, False])
+def test_what_is_written_reaches_the_disk_while_the_camera_is_silent(tmp_path: Path, stream_goes_on: bool) -> None:
+    """After the last frame the clock of the messages stands still; a crash must not lose what the watchdog did."""
+    path = tmp_path / "a.mcap"
+    with AsyncRecorder(McapWriter(path, camera(), source_uri="x"), flush_s=0.2) as recorder:
+        made = frames(3)
+        for frame in made:
+            recorder.write_frame(frame)
+        recorder.write_event(Event(made[-1].t_ns, "watchdog", "stop.no_frame"))
+        for number in range(40):
+            if stream_goes_on:
+                recorder.write_input(made[-1].t_ns, {"tick": number})
+            time.sleep(0.03)
+        # what a process that is killed now leaves behind
+        (tmp_path / "killed.mcap").write_bytes(path.read_bytes())
+    left = McapSource(tmp_path / "killed.mcap")
+    assert "stop.no_frame" in [row["reason"] for _, row in left.rows(topics.EVENTS)]
+    assert len(list(left.rows(topics.INPUTS))) >= (25 if stream_goes_on else 0)
+    assert left.info.frame_count == 3
+    whole = McapSource(path)
+    assert len(list(whole.frames())) == 3 and len(list(whole.rows(topics.INPUTS))) == (40 if stream_goes_on else 0)
 
 
 @pytest.mark.parametrize("count", [0, 1])
