@@ -13,7 +13,7 @@ from server.engine.core import Core, Moment
 from server.engine.ledger import Ledger
 from server.engine.mailbox import Arrived
 from server.engine.pending import Pending
-from server.engine.recording import session_identity
+from server.engine.recording import robot_row, session_identity, step_answer
 from server.settings import Settings, changed
 from teleop.body.model import BodyModel
 from teleop.body.tracker import BodyTracker
@@ -82,14 +82,17 @@ def compare(
     if change is not None:
         settings = changed(settings, change)
     found = Comparison(blind=None if change is None else NOTICEABLE)
-    for moment in again(source, model, settings, follow_settings=change is None):
+    for moment, between in again(source, model, settings, follow_settings=change is None):
         frame, output = moment.frame, moment.output
+        if between is not None:
+            found.add_between(moment.command.t_ns, between, json.loads(json.dumps(step_answer(moment))))
+            continue
         recorded = answers.at(frame.t_ns) if frame is not None else None
         if frame is None or output is None or recorded is None:
             found.missing += 1
             continue
         row = json.loads(json.dumps(track_row(output.track, output.intent, moment.command)))
-        found.add(frame.t_ns, recorded, row | _robot(moment))
+        found.add(frame.t_ns, recorded, row | robot_row(moment.robot))
         if on_frame is not None:
             on_frame(frame)
     # frames that were dropped by the recorder
@@ -97,8 +100,13 @@ def compare(
     return found
 
 
-def again(source: McapSource, model: BodyModel, settings: Settings, *, follow_settings: bool) -> Iterator[Moment]:
-    """Every recorded step with a frame, done again. Ends where the recording lacks a frame that was used."""
+def again(
+    source: McapSource, model: BodyModel, settings: Settings, *, follow_settings: bool
+) -> Iterator[tuple[Moment, dict[str, Any] | None]]:
+    """Every recorded step whose answer is known, done again; with that answer for a step without a frame of its own.
+
+    Ends where the recording lacks a frame that was used. Recordings of older versions know no such answers.
+    """
     clock = RecordedClock()
     world = World(settings.robot, _seed(source))
     try:
@@ -119,8 +127,8 @@ def again(source: McapSource, model: BodyModel, settings: Settings, *, follow_se
                 return
             last = frame
             moment = step.run(core, clock, frame)
-            if step.stored:
-                yield moment
+            if step.stored or step.between is not None:
+                yield moment, None if step.stored else step.between
     finally:
         world.close()
 
@@ -134,6 +142,7 @@ class RecordedStep:
         try:
             self.now_s, self.speed = _finite(row["now_s"]), _finite(row["speed"])
             self.live, self.latched, self.stored = bool(row["live"]), bool(row["latched"]), bool(row["stored"])
+            self.between = dict(row["between"]) if "between" in row else None
             self.frame_t_ns = None if not row["frame"] else int(row["frame_t_ns"])
             self.received_s = 0.0 if self.frame_t_ns is None else _finite(row["received_s"])
         except (KeyError, TypeError, ValueError) as error:
@@ -165,13 +174,6 @@ def _finite(value: Any) -> float:
     if not math.isfinite(number):
         raise ValueError(f"expected a number, got {value}")
     return number
-
-
-def _robot(moment: Moment) -> dict[str, Any]:
-    robot = moment.robot
-    half = 0.5 * robot.base_yaw_rad
-    base = {"x": robot.base_x_m, "y": robot.base_y_m, "qz": math.sin(half), "qw": math.cos(half)}
-    return {"robot": {name: float(q) for name, q in robot.joint_rad.items()}, "base": base}
 
 
 def _seed(source: McapSource) -> int:

@@ -22,7 +22,8 @@ _MOST = 8
 def lines(found: Comparison, unlikeness: list[str]) -> list[str]:
     """A repetition under the same settings. unlikeness: in what machine and software differ from the recording's."""
     if found.identical:
-        return [f"{found.frames} frames: every tracking row and robot state agrees bit for bit"]
+        between = f" and {found.between} steps between them" if found.between else ""
+        return [f"{found.frames} frames{between}: every tracking row and robot state agrees bit for bit"]
     text = [f"{found.differing} of {found.frames} frames differ"]
     if found.missing:
         text.append(f"{found.missing} frames could not be compared: the recording lacks them or their rows")

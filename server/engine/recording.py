@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from robot_sim.link.robot_link import RobotLink
+from robot_sim.state import RobotState
 from server.engine.core import Moment
 from server.settings import Settings
 from teleop.body.model import BodyModel
@@ -22,7 +24,7 @@ from teleop.recording.recorder import AsyncRecorder, RecorderStatus
 from teleop.recording.writer import McapWriter
 from teleop.sources.base import SourceInfo
 from teleop.sources.jpeg import through_jpeg
-from teleop.track_row import track_row
+from teleop.track_row import command_row, track_row
 
 
 def describe(settings: Settings, model: BodyModel, world: RobotLink) -> dict[str, str]:
@@ -45,6 +47,8 @@ def settings_json(settings: Settings) -> dict[str, Any]:
     return settings.model_dump(mode="json", include={"engine", "teleop"})
 
 
+JITTER_S = 0.05
+"""Frames come no more than this much sooner or later than their stamps say."""
 _REMEMBERED = 300
 """Live frames whose fate is remembered until the engine has taken them; the mailbox holds one."""
 
@@ -86,6 +90,7 @@ class SessionRecorder:
         self._live = info.live
         self._stored: OrderedDict[int, bool] = OrderedDict()
         self._last_ns: int | None = None
+        self._frame_s = 0.0
         self._waiting: dict[str, Any] | None = None
         self._audits: list[tuple[str, str]] = []
         self._closed = False
@@ -143,6 +148,11 @@ class SessionRecorder:
             self._recorder.write_robot(t_ns, moment.robot)
         if self._last_ns is None:
             return True  # nothing before the first frame counts: the robot begins from its start there
+        if stored or moment.fresh:
+            self._frame_s = moment.told.now_s
+        elif (silent_s := moment.told.now_s - self._frame_s - JITTER_S) > 0.0:
+            # frames have clocks of their own: as long after the last one, but surely before the next
+            self._recorder.write_robot(self._last_ns + round(silent_s * 1e9), moment.robot)
         for event in moment.events:
             self._recorder.write_event(event)
         self._recorder.write_input(self._last_ns, inputs_row(moment, stored))
@@ -178,21 +188,39 @@ class SessionRecorder:
             self._waiting = None
 
 
+def step_answer(moment: Moment) -> dict[str, Any]:
+    """What a step came to: command, reasons, robot; as a replay compares it."""
+    return {"command": command_row(moment.command), "reasons": list(moment.command.reasons)} | robot_row(moment.robot)
+
+
+def robot_row(robot: RobotState) -> dict[str, Any]:
+    """Joints [rad or m] and chassis: x, y [m], sine and cosine of half the yaw."""
+    half = 0.5 * robot.base_yaw_rad
+    base = {"x": robot.base_x_m, "y": robot.base_y_m, "qz": math.sin(half), "qw": math.cos(half)}
+    return {"robot": {name: float(q) for name, q in robot.joint_rad.items()}, "base": base}
+
+
 def inputs_row(moment: Moment, stored: bool) -> dict[str, Any]:
     """All that replay needs beside the frames. ``sim_time_s`` counts the physics ticks.
 
     frame: the step had one. stored: the recording holds it; one whose stamp was refused is known by its stamp alone.
+    between: what came of a step that has no row of its own.
     """
     told = moment.told
-    return inputs_to_json(moment.inputs) | {
-        "frame": moment.fresh,
-        "stored": stored,
-        "frame_t_ns": moment.frame.t_ns if moment.fresh and moment.frame is not None else None,
-        "received_s": moment.received_s,
-        "now_s": told.now_s,
-        "live": told.live,
-        "speed": told.speed,
-        "latched": told.estop,
-        "watchdog": [event.reason for event in moment.events if event.kind == "watchdog"],
-        "sim_time_s": moment.robot.sim_time_s,
-    }
+    between = {} if stored else {"between": step_answer(moment)}
+    return (
+        inputs_to_json(moment.inputs)
+        | between
+        | {
+            "frame": moment.fresh,
+            "stored": stored,
+            "frame_t_ns": moment.frame.t_ns if moment.fresh and moment.frame is not None else None,
+            "received_s": moment.received_s,
+            "now_s": told.now_s,
+            "live": told.live,
+            "speed": told.speed,
+            "latched": told.estop,
+            "watchdog": [event.reason for event in moment.events if event.kind == "watchdog"],
+            "sim_time_s": moment.robot.sim_time_s,
+        }
+    )

@@ -64,6 +64,7 @@ class Leaf:
 @dataclass(slots=True)
 class Comparison:
     """Filled frame by frame. missing: frames that could not be compared because one side lacks them.
+    between: steps without a frame that were compared as well.
 
     leaves: by dotted path, such as ``angles.T1``. start_ns: time of the first frame. blind: differences of numbers
     that do not count; None: every bit counts.
@@ -74,6 +75,7 @@ class Comparison:
     frames: int = 0
     differing: int = 0
     missing: int = 0
+    between: int = 0
     first: Difference | None = None
     groups: dict[str, Group] = field(default_factory=dict)
     leaves: dict[str, Leaf] = field(default_factory=dict)
@@ -82,6 +84,14 @@ class Comparison:
     def add(self, t_ns: int, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
         """Compare one frame: JSON objects of numbers, words and nulls, nested at will; numbers bit for bit."""
         self.frames += 1
+        self._compare(t_ns, before, after)
+
+    def add_between(self, t_ns: int, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
+        """Compare a step without a frame in the same way."""
+        self.between += 1
+        self._compare(t_ns, before, after)
+
+    def _compare(self, t_ns: int, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
         self.start_ns = t_ns if self.start_ns is None else self.start_ns
         old, new = dict(_leaves(before)), dict(_leaves(after))
         touched: dict[str, bool] = {}

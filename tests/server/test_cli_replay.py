@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -156,12 +157,25 @@ def test_all_inputs_of_a_live_session_count(tmp_path: Path) -> None:
     source = McapSource(path)
     rows = [row for _, row in source.rows(topics.INPUTS)]
     source.close()
+    shown = McapSource(path)
+    stamps = shown.file.topics[topics.JOINT_STATES].t_ns
+    shown.close()
+    assert len(stamps) > 23 + 10 and all(a <= b for a, b in pairwise(stamps)), "the robot is seen in the silence, too"
     assert sum("settings" in row for row in rows) == 1
     codes = {code for row in rows for code in row.get("watchdog", ())}
     assert codes == {Reason.NO_FRAME_HOLD, Reason.SOURCE_FAILED}
     assert sum(bool(row.get("frame")) and not row["stored"] for row in rows) == 1
     found = verified(path)
     assert found.identical and found.frames == 23, lines(found, [])
+    assert found.between == 3 * 9 + 2 + 1, "steps in silence, and the one whose stamp was refused"
+    assert lines(found, [])[0].startswith("23 frames and 30 steps between them: ")
+
+
+def test_a_difference_between_two_frames_counts() -> None:
+    found = Comparison()
+    found.add(0, {"robot": {"lift": 0.1}}, {"robot": {"lift": 0.1}})
+    found.add_between(0, {"reasons": ["stop.no_frame"]}, {"reasons": []})
+    assert not found.identical and found.frames == 1 and found.between == 1
 
 
 def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:

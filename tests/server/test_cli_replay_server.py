@@ -60,6 +60,7 @@ def test_what_the_server_recorded_replays_bit_for_bit(tmp_path: Path) -> None:
         finally:
             source.close()
     assert found.identical, lines(found, [])
+    assert found.between > 10, "the half second in which no frame came"
     assert 10 < found.frames <= COUNT
     asked = [row for row in rows if "settings" not in row]
     assert len(rows) - len(asked) == 1
