@@ -41,6 +41,7 @@ class Channels:
         self._color_info = CameraCalibrationChannel(topics.COLOR_INFO, context=context)
         self._joint_states = JointStatesChannel(topics.JOINT_STATES, context=context)
         self._tf = FrameTransformsChannel(topics.TF, context=context)
+        self._tf_static = FrameTransformsChannel(topics.TF_STATIC, context=context)
         self._skeleton = SceneUpdateChannel(topics.SKELETON, context=context)
         self._description = _json_channel(topics.ROBOT_DESCRIPTION, "std_msgs/String", context)
         self._track = _json_channel(topics.TRACK, "teleop.Track", context)
@@ -66,8 +67,9 @@ class Channels:
         self._depth_info.log(messages.camera_info(t_ns, camera.depth, topics.DEPTH_FRAME), log_time=t_ns)
 
     def log_color_info(self, t_ns: int, frame: DepthFrame) -> None:
-        """The colour camera of a frame, if it has colour."""
+        """The colour camera of a frame, if it has colour, and where it is."""
         if frame.color_rgb is not None:
+            self._tf_static.log(messages.color_transform(t_ns, frame.camera), log_time=t_ns)
             k = messages.color_intrinsics(frame.camera, frame.color_rgb)
             self._color_info.log(messages.camera_info(t_ns, k, topics.COLOR_FRAME), log_time=t_ns)
 

@@ -28,6 +28,7 @@ from foxglove.messages import (
     Timestamp,
     Vector3,
 )
+from scipy.spatial.transform import Rotation
 
 from robot_sim.state import RobotState
 from teleop.frames import Camera, ColorImage, DepthFrame, Intrinsics
@@ -131,6 +132,32 @@ def joint_states(t_ns: int, state: RobotState) -> JointStates:
     return JointStates(
         timestamp=timestamp(t_ns),
         joints=[JointState(name=name, position=float(q)) for name, q in state.joint_rad.items()],
+    )
+
+
+def color_pose(camera: Camera) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """T_depth_color: the colour camera's optical axes in the depth camera's; the same where colour is registered.
+
+    Place (3,) [m] and quaternion x, y, z, w.
+    """
+    T = np.eye(4) if camera.T_color_depth is None else np.linalg.inv(np.array(camera.T_color_depth))
+    turn = Rotation.from_matrix(T[:3, :3]).as_quat()
+    return tuple(float(v) for v in T[:3, 3]), tuple(float(v) for v in turn)
+
+
+def color_transform(t_ns: int, camera: Camera) -> FrameTransforms:
+    """Where the colour camera is, see color_pose."""
+    place, (x, y, z, w) = color_pose(camera)
+    return FrameTransforms(
+        transforms=[
+            FrameTransform(
+                timestamp=timestamp(t_ns),
+                parent_frame_id=topics.DEPTH_FRAME,
+                child_frame_id=topics.COLOR_FRAME,
+                translation=Vector3(x=place[0], y=place[1], z=place[2]),
+                rotation=Quaternion(x=x, y=y, z=z, w=w),
+            )
+        ]
     )
 
 

@@ -14,6 +14,7 @@ from hypothesis.extra import numpy as hnp
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from recording_frames import PERIOD_NS, camera, frames
+from scipy.spatial.transform import Rotation
 
 from robot_sim.commands import Liquid
 from robot_sim.state import RobotState
@@ -23,6 +24,7 @@ from teleop.frames import Camera, DepthFrame, Intrinsics
 from teleop.intent_types import Event
 from teleop.joints import JOINT_INDEX
 from teleop.recording import McapSource, McapWriter, topics
+from teleop.recording.messages import color_pose
 from teleop.recording.writer import MAX_T_NS
 from teleop.skeleton import Skeleton
 
@@ -135,6 +137,7 @@ def test_the_mcap_package_decodes_every_topic(tmp_path: Path) -> None:
             topics.SKELETON,
             topics.JOINT_STATES,
             topics.TF,
+            topics.TF_STATIC,
         ]
         messages: dict[str, list] = {}
         for _schema, channel, message, decoded in reader.iter_decoded_messages(topics=protobuf):
@@ -151,6 +154,7 @@ def test_the_mcap_package_decodes_every_topic(tmp_path: Path) -> None:
         "/camera/color/camera_info": "foxglove.CameraCalibration",
         "/joint_states": "foxglove.JointStates",
         "/tf": "foxglove.FrameTransforms",
+        "/tf_static": "foxglove.FrameTransforms",
         "/robot_description": "std_msgs/String",
         "/teleop/skeleton": "foxglove.SceneUpdate",
         "/teleop/track": "teleop.Track",
@@ -177,6 +181,8 @@ def test_the_mcap_package_decodes_every_topic(tmp_path: Path) -> None:
     transform = messages[topics.TF][0][1].transforms[0]
     assert (transform.parent_frame_id, transform.child_frame_id) == ("world", "chassis")
     assert transform.rotation.z == pytest.approx(np.sin(np.pi / 4))
+    beside = messages[topics.TF_STATIC][0][1].transforms[0]
+    assert (beside.parent_frame_id, beside.child_frame_id) == (topics.DEPTH_FRAME, topics.COLOR_FRAME)
     head = messages[topics.SKELETON][0][1].entities[0].spheres[0].pose.position
     # Unmirrored: the operator's right is the left of the image, so x changes sign.
     assert (head.x, head.y, head.z) == (-0.3, -0.5, 2.0)
@@ -231,3 +237,14 @@ def test_opening_for_writing_can_fail(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="camera"):
         McapWriter(tmp_path / "c.mcap", camera(), source_uri="x", metadata={"camera": "no"})
     assert not (tmp_path / "b.mcap").exists()
+
+
+def test_the_colour_camera_is_placed_where_its_points_come_from() -> None:
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    T_color_depth = np.eye(4)
+    T_color_depth[:3, :3], T_color_depth[:3, 3] = turn, (0.025, 0.0, 0.003)
+    place, turned = color_pose(Camera(T_color_depth=tuple(map(tuple, T_color_depth.tolist()))))
+    T_depth_color = np.eye(4)
+    T_depth_color[:3, :3] = Rotation.from_quat(turned).as_matrix()
+    T_depth_color[:3, 3] = place
+    np.testing.assert_allclose(T_color_depth @ T_depth_color, np.eye(4), atol=1e-12)
