@@ -27,7 +27,8 @@ class Fault:
     """name; mode before it; begin: makes it happen.
 
     must: ``still`` (and stays so), ``steady`` (goes on, arms not displaced) or ``unmoved`` (either of them).
-    reasons: one of these codes must be seen. watch_s: how long the outcome is watched.
+    reasons: one of these codes must be seen; none for what disturbs nobody and is answered by going on.
+    watch_s: how long the outcome is watched.
     """
 
     name: str
@@ -54,7 +55,7 @@ class Outcome:
     @property
     def fulfilled(self) -> bool:
         """Whether the robot did what it has to, with a reason."""
-        reasoned = any(code in self.codes for code in self.fault.reasons)
+        reasoned = not self.fault.reasons or any(code in self.codes for code in self.fault.reasons)
         stood = self.command_ms is not None and self.rest_ms is not None and self.stayed
         steady = self.displaced_deg <= _STEADY_DEG and self.command_ms is None
         kept = {"still": stood, "steady": steady, "unmoved": self.displaced_deg <= _STEADY_DEG}
@@ -87,10 +88,15 @@ def _nothing(on: Stage) -> None:
     on.scene = lambda _i: None
 
 
-def _drop_every_other(on: Stage) -> None:
-    seen = on.scene
-    # those that come are not one and the same picture, which would count as frozen
-    on.scene = lambda i: seen(i // 2) if i % 2 == 0 else None
+def _kept(of: int) -> Callable[[Stage], None]:
+    """One frame of so many comes."""
+
+    def begin(on: Stage) -> None:
+        seen = on.scene
+        # those that come are not one and the same picture, which would count as frozen
+        on.scene = lambda i: seen(i // of) if i % of == 0 else None
+
+    return begin
 
 
 def _duplicates(on: Stage) -> None:
@@ -202,7 +208,8 @@ def _frozen(on: Stage) -> None:
 FAULTS: Final[tuple[Fault, ...]] = (
     Fault("no more frames", "forward", _nothing, "still", ("hold.no_frame",)),
     Fault("no more frames", "spraying", _nothing, "still", ("hold.no_frame",)),
-    Fault("every other frame dropped", "picking", _drop_every_other, "steady", ("hold.arm_locked",)),
+    Fault("every other frame dropped", "picking", _kept(2), "steady", ()),
+    Fault("two of three frames dropped", "picking", _kept(3), "unmoved", ("hold.no_frame",)),
     Fault("every frame twice", "picking", _duplicates, "steady", ("refused.frame_duplicate",)),
     Fault("the same frame for ever", "forward", _all_duplicates, "still", ("refused.frame_duplicate",)),
     Fault("every other frame reordered", "picking", _reordered, "steady", ("refused.frame_reordered",)),
@@ -214,7 +221,7 @@ FAULTS: Final[tuple[Fault, ...]] = (
     Fault("saturated frames", "picking", _scene(lambda _: flat(4000)), "still", ("refused.frame_saturated",)),
     Fault("frozen picture, stamps go on", "forward", _frozen, "still", ("refused.frame_frozen",)),
     Fault("nothing but noise", "forward", _storm, "still", ("hold.tracking_lost", "refused.operator_jump")),
-    Fault("lower half missing, one frame in three", "picking", _torn, "unmoved", ("hold.arm_locked",)),
+    Fault("lower half missing, one frame in three", "picking", _torn, "unmoved", ()),
     Fault("joints NaN", "picking", _nan, "still", ("hold.tracking_lost",)),
     Fault("joints infinite", "forward", _infinite, "still", ("refused.joint_not_finite",)),
     Fault("arm teleports, one frame in six", "picking", _teleport, "steady", ("refused.joint_jump",)),
@@ -222,7 +229,7 @@ FAULTS: Final[tuple[Fault, ...]] = (
     Fault("operator gone", "forward", _other_pose("nobody"), "still", ("hold.tracking_lost",)),
     Fault("operator walked out", "right", _other_pose("outside"), "still",
           ("refused.operator_jump", "stop.out_of_range", "mode.operator_changed")),
-    Fault("second person enters", "picking", _other_pose("picking, second person"), "steady", ("hold.arm_locked",)),
+    Fault("second person enters", "picking", _other_pose("picking, second person"), "steady", ()),
     Fault("second person takes the place", "forward", _other_pose("second person alone"), "still",
           ("mode.operator_changed", "hold.tracking_lost", "refused.operator_jump")),
     Fault("two sources command at once", "picking", _two_sources, "steady", ("refused.request_operator_engaged",)),
