@@ -34,12 +34,12 @@ def host() -> Iterator[subprocess.Popen[str]]:
 
 
 def killed(host: subprocess.Popen[str], path: Path, chance: random.Random) -> int:
-    """Record to ``path`` until SIGKILL; the time of the last frame that was surely written."""
+    """Record to ``path`` until SIGKILL; the time of the last frame that the recorder surely had."""
     assert host.stdin is not None and host.stdout is not None
     print(path, file=host.stdin, flush=True)
     pid = int(host.stdout.readline())
-    times = [int(host.stdout.readline()) for _ in range(chance.randrange(4, 200))]
-    time.sleep(chance.uniform(0.0, 0.004))  # anywhere between two frames, or within one
+    times = [int(host.stdout.readline()) for _ in range(chance.randrange(4, 150))]
+    time.sleep(chance.uniform(0.0, 0.012))  # anywhere between two frames, or within one
     os.kill(pid, signal.SIGKILL)
     while (line := host.stdout.readline()) != "END\n":
         times.append(int(line))
