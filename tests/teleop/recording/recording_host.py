@@ -1,6 +1,7 @@
 """Records again and again, each time in a fork of its own that is killed: ``python recording_host.py``.
 
-Every line of input names a file; the answer is the fork's process id, then the time of each frame once the recorder has taken it.
+Every line of input names a file; the answer is the fork's process id, then the time of each frame once the recorder
+has taken it.
 """
 
 from __future__ import annotations
