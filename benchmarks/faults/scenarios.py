@@ -18,7 +18,7 @@ from teleop.frames import DepthFrame
 from teleop.joints import JOINT_INDEX
 
 ACTING: Final = ("picking", "spraying", "forward", "back", "left", "right")
-IDLE: Final = ("no_person", "seen", "held")
+IDLE: Final = ("no_person", "seen", "engaged", "held", "stopped")
 _STEADY_DEG: Final = 0.5
 
 
@@ -248,7 +248,7 @@ FAULTS: Final[tuple[Fault, ...]] = (
 
 def prepare(on: Stage, fault: Fault) -> None:
     """The operator in control, in the fault's mode, the arms arrived."""
-    on.calm({"seen": "picking", "held": "forward", "no_person": "forward"}.get(fault.mode, fault.mode))
+    on.calm(fault.mode if fault.mode in ACTING else "picking" if fault.mode in ("seen", "engaged") else "forward")
     on.post("/estop/reset")
     if on.camera_gone:
         on.open()
@@ -256,11 +256,20 @@ def prepare(on: Stage, fault: Fault) -> None:
     if fault.mode == "seen":
         on.post("/disengage")
     elif fault.mode != "no_person":
-        on.engage("forward" if fault.mode == "held" else fault.mode)
+        if fault.mode == "engaged":
+            on.tracker.spoil = with_joints(_without_legs)  # so that they choose no task
+        on.engage("forward" if fault.mode in ("held", "stopped") else fault.mode)
         settle(on, 5.0)
     if fault.mode in ("held", "no_person"):
         on.calm("nobody")
+    if fault.mode == "stopped":
+        on.calm("forward, forearms crossed")
     on.await_mode(fault.mode)
+
+
+def _without_legs(joints: np.ndarray) -> np.ndarray:
+    joints[[JOINT_INDEX[f"{name}_{side}"] for name in ("knee", "ankle", "foot") for side in ("right", "left")]] = np.nan
+    return joints
 
 
 def await_calm(on: Stage, calm_s: float = 0.7, most_s: float = 10.0) -> None:
