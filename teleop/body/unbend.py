@@ -20,6 +20,9 @@ Floats = npt.NDArray[np.float64]
 _ARMS: Final = tuple(
     tuple(JOINT_INDEX[f"{name}_{side}"] for name in ("shoulder", "elbow", "wrist")) for side in ("right", "left")
 )
+_FOLDED_RAD: Final = float(np.radians(110.0))
+_FADES_RAD: Final = float(np.radians(20.0))
+"""From 90 degrees of bend on a forearm's caution is taken back less, from 110 on not at all."""
 _MOST_M: Final = 0.03
 """An elbow is never moved further outward."""
 
@@ -53,7 +56,9 @@ def _moved(shoulder_m: Floats, elbow_m: Floats, wrist_m: Floats, spread_m: Float
     variance = min(noise_m * (1.0 / upper_m + 1.0 / fore_m), np.radians(config.most_spread_deg)) ** 2
     straight = np.exp(-((bend_rad / np.radians(config.straight_deg)) ** 2))
     meant_rad = np.sqrt(max(bend_rad**2 - config.noise * straight * variance, 0.0))
-    meant_rad += config.caution * variance * max(bend_rad - np.radians(config.middle_deg), 0.0)
+    # folded arms are as they are found: nothing was fitted there, and crossed forearms stop the robot
+    folded = min(max((_FOLDED_RAD - bend_rad) / _FADES_RAD, 0.0), 1.0)
+    meant_rad += folded * config.caution * variance * max(bend_rad - np.radians(config.middle_deg), 0.0)
     # radians of bend that a metre across the line makes
     per_m = max(along_m / upper_m**2 + (long_m - along_m) / fore_m**2, 1.0)
     step_m = min(max((meant_rad - bend_rad) / per_m, -off_m), _MOST_M)

@@ -44,6 +44,10 @@ def test_small_bends_shrink_and_large_ones_grow(angle: float, low: float, high: 
     assert low <= change <= high
 
 
+def test_a_folded_arm_stays() -> None:
+    np.testing.assert_array_equal(unbend(arm(125.0), SPREAD, ElbowConfig())[[S, E, W]], arm(125.0)[[S, E, W]])
+
+
 def test_a_sure_elbow_stays_and_so_do_all_other_joints() -> None:
     joints = arm(85.0)
     after = unbend(joints, np.full(N_JOINTS, 1e-5), ElbowConfig())

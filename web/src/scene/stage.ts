@@ -39,8 +39,8 @@ const POLL_MS = 8;
 /** Drawing by the processor takes its time from tracking and simulation: rest four times as long as a picture takes. */
 const SOFTWARE_REST = 4;
 const SOFTWARE_PIXEL_RATIO = 0.75;
-const HOME_EYE_M = new Vector3(2.2, -2.4, 1.95);
-const HOME_TARGET_M = new Vector3(0.05, 0, 0.96);
+const HOME_EYE_M = new Vector3(1.85, -2.0, 1.75);
+const HOME_TARGET_M = new Vector3(0.05, 0, 0.78);
 
 export function webglWorks(): boolean {
   return document.createElement("canvas").getContext("webgl2") !== null;
