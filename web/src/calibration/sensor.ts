@@ -6,6 +6,7 @@ import { Attribute, Text, h } from "../dom";
 import { type Key, t, translated } from "../i18n";
 import { treeOf } from "../settings/schema";
 import type { State } from "../wire";
+import { Lasting } from "./lasting";
 import { Readings } from "./readings";
 import type { Step } from "./step";
 
@@ -44,6 +45,7 @@ export class SensorStep implements Step {
   private readonly heights_m = new Readings(WINDOW);
   private readonly pitches_deg = new Readings(WINDOW);
   private readonly rolls_deg = new Readings(WINDOW);
+  private readonly usable = new Lasting();
   private kept_deg: number | null = null;
 
   constructor() {
@@ -53,15 +55,15 @@ export class SensorStep implements Step {
   }
 
   enter(): void {
-    for (const readings of [this.heights_m, this.pitches_deg, this.rolls_deg]) readings.clear();
+    for (const known of [this.heights_m, this.pitches_deg, this.rolls_deg, this.usable]) known.clear();
   }
 
-  state(state: State): void {
+  state(state: State, now_ms: number): void {
     const floor = state.floor;
     if (!floor) {
       this.enter();
       for (const gauge of [this.height, this.pitch, this.roll]) gauge.set("–");
-      this.say("calibrate.nofloor", false);
+      this.say("calibrate.nofloor", false, now_ms);
       return;
     }
     this.heights_m.add(floor.camera_height_m);
@@ -71,22 +73,22 @@ export class SensorStep implements Step {
     this.pitch.set(`${this.pitches_deg.mean.toFixed(1)}°`);
     this.roll.set(`${this.rolls_deg.mean.toFixed(1)}°`);
     const steady = this.heights_m.full && this.pitches_deg.spread < STEADY_DEG && this.heights_m.spread < STEADY_M;
-    if (!steady) this.say("calibrate.unsteady", false);
-    else this.judge();
+    if (!steady) this.say("calibrate.unsteady", false, now_ms);
+    else this.judge(now_ms);
   }
 
-  private judge(): void {
+  private judge(now_ms: number): void {
     const height_m = this.heights_m.mean;
-    if (height_m < HEIGHT_M[0] || height_m > HEIGHT_M[1]) this.say("calibrate.badheight", false, true);
-    else if (Math.abs(this.pitches_deg.mean) > MOST_PITCH_DEG) this.say("calibrate.badpitch", false, true);
-    else if (Math.abs(this.rolls_deg.mean) > MOST_ROLL_DEG) this.say("calibrate.badroll", false, true);
-    else this.say("calibrate.steady", true);
+    if (height_m < HEIGHT_M[0] || height_m > HEIGHT_M[1]) this.say("calibrate.badheight", false, now_ms, true);
+    else if (Math.abs(this.pitches_deg.mean) > MOST_PITCH_DEG) this.say("calibrate.badpitch", false, now_ms, true);
+    else if (Math.abs(this.rolls_deg.mean) > MOST_ROLL_DEG) this.say("calibrate.badroll", false, now_ms, true);
+    else this.say("calibrate.steady", true, now_ms);
   }
 
-  private say(key: Key, good: boolean, usable = good): void {
+  private say(key: Key, good: boolean, now_ms: number, usable = good): void {
     this.verdict.set(t(key));
     this.look.set(String(good));
-    this.keep.disabled = !usable;
+    this.keep.disabled = !this.usable.at(now_ms, usable);
   }
 
   private async save(): Promise<void> {

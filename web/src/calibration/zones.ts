@@ -5,8 +5,9 @@ import { RequestError, api } from "../api";
 import { Text, h } from "../dom";
 import { t, translated } from "../i18n";
 import { SettingRow } from "../settings/row";
-import { fieldsOf, refusals, treeOf, valueAt } from "../settings/schema";
+import { type Json, fieldsOf, refusals, treeOf, valueAt } from "../settings/schema";
 import type { State } from "../wire";
+import { Lasting } from "./lasting";
 import { Readings } from "./readings";
 import type { Step } from "./step";
 
@@ -27,6 +28,7 @@ export class ZonesStep implements Step {
   private readonly note = h("p", { class: "setting-refusal", role: "alert" });
   private readonly z_m = new Readings(WINDOW);
   private readonly x_m = new Readings(WINDOW);
+  private readonly still = new Lasting();
   private settings: SettingRow[] = [];
   private done = "";
 
@@ -42,8 +44,7 @@ export class ZonesStep implements Step {
   }
 
   enter(): void {
-    this.z_m.clear();
-    this.x_m.clear();
+    this.forget();
     void act(this.load());
   }
 
@@ -62,11 +63,14 @@ export class ZonesStep implements Step {
     this.apply.disabled = !this.settings.some((row) => row.isChanged);
   }
 
-  state(state: State): void {
+  private forget(): void {
+    for (const known of [this.z_m, this.x_m, this.still]) known.clear();
+  }
+
+  state(state: State, now_ms: number): void {
     const at = state.spine_xz;
     if (!at) {
-      this.z_m.clear();
-      this.x_m.clear();
+      this.forget();
       this.where.set(t("calibrate.nobody"));
       this.here.disabled = true;
       return;
@@ -76,14 +80,16 @@ export class ZonesStep implements Step {
     const still = this.z_m.full && this.z_m.spread < STEADY_M;
     const off = Math.abs(this.x_m.mean) > OFF_CENTRE_M ? ` ${t("calibrate.offcentre", { x: this.x_m.mean.toFixed(2) })}` : "";
     this.where.set(t("calibrate.where", { z: this.z_m.mean.toFixed(2), zone: t(`zone.${state.zone}`) }) + off);
-    this.here.disabled = !still;
+    this.here.disabled = !this.still.at(now_ms, still);
   }
 
   /** Moves all zones so that the middle of the working zone is where the operator stands. */
   private async workHere(): Promise<void> {
-    const config = await api.config();
+    const z_m = this.z_m.mean; // as it was when the button was pressed
+    let config: Json = {};
+    if (!(await act(api.config().then((running) => (config = running))))) return;
     const length_m = (name: string) => Number(valueAt(config, `${SECTION}.${name}`));
-    const l1_m = Math.round(100 * (this.z_m.mean - length_m("l2_m") - length_m("l3_m") / 2)) / 100;
+    const l1_m = Math.round(100 * (z_m - length_m("l2_m") - length_m("l3_m") / 2)) / 100;
     await this.send(new Map([[`${SECTION}.l1_m`, l1_m]]));
   }
 
