@@ -48,7 +48,10 @@ def segments_cross(a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
 
 
 def forearms_crossed(skeleton: Skeleton, config: EngageConfig) -> bool:
-    """Forearms crossed before the chest: each wrist past the other, between hips and chin, the forearms crossing."""
+    """Forearms crossed before the chest: each wrist past the other, between hips and chin, the forearms crossing.
+
+    An elbow under the other arm can be found decimetres off; wrists far past each other need no such proof.
+    """
     names = ("wrist_right", "wrist_left", "elbow_right", "elbow_left", "shoulder_center", "hip_center")
     joints = [skeleton.joint(n) for n in names]
     wrist_r, wrist_l, elbow_r, elbow_l, neck, hip = joints
@@ -59,7 +62,8 @@ def forearms_crossed(skeleton: Skeleton, config: EngageConfig) -> bool:
     at_chest = all(low <= wrist[1] <= high for wrist in (wrist_r, wrist_l))
     # a forearm reaches to the palm: arms that cross at their wrists are crossed whatever a centimetre of noise says
     palm_r, palm_l = (elbow + PALM * (wrist - elbow) for elbow, wrist in ((elbow_r, wrist_r), (elbow_l, wrist_l)))
-    return bool(passed_m >= config.crossed_m and at_chest and segments_cross(elbow_r, palm_r, elbow_l, palm_l))
+    crossing = passed_m >= config.crossed_far_m or segments_cross(elbow_r, palm_r, elbow_l, palm_l)
+    return bool(passed_m >= config.crossed_m and at_chest and crossing)
 
 
 @dataclass(frozen=True, slots=True)

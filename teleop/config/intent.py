@@ -306,6 +306,13 @@ class EngageConfig(Section):
     crossed_m: float = Field(
         default=0.04, ge=0.0, le=0.5, description="how far the wrists must have passed each other [m]; ours"
     )
+    crossed_far_m: float = Field(
+        default=0.08,
+        ge=0.0,
+        le=0.5,
+        description="wrists that have passed each other by so much are crossed wherever the elbows, which folded arms "
+        "hide, are taken to be [m]; ours",
+    )
     hold_progress: float = Field(
         default=0.05, ge=0.0, le=1.0, description="the arms hold once the gesture has come this far [1]; ours"
     )

@@ -74,8 +74,12 @@ def gripper_m(view: ConsoleView, config: RobotConfig) -> Floats:
     return hand_m(view, "right", drawn_arm(view, "right"), GRIP_M, config)
 
 
+def fruit_m(view: ConsoleView, scenery: Scenery, fruit: str) -> Floats:
+    """(3,) middle of a fruit, as drawn."""
+    return np.array(view.moved[fruit][:3] if fruit in view.moved else scenery[fruit].xyz_m)
+
+
 def grip_point_m(view: ConsoleView, scenery: Scenery, fruit: str, config: RobotConfig) -> Floats:
     """(3,) where a fruit is best gripped: a little under its top, as drawn."""
-    part = scenery[fruit]
-    middle = np.array(view.moved[fruit][:3] if fruit in view.moved else part.xyz_m)
-    return middle + np.array([0.0, 0.0, 0.5 * part.size_m[-1] - config.pick.grip_under_top_m])
+    top_m = 0.5 * scenery[fruit].size_m[-1]
+    return fruit_m(view, scenery, fruit) + np.array([0.0, 0.0, top_m - config.pick.grip_under_top_m])

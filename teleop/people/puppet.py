@@ -75,10 +75,10 @@ def _arm(sign: float, wish: ArmWish) -> ArmKey:
 
 
 def _crossed(sign: float) -> ArmKey:
-    """A forearm across the chest, a little before it; the right one lies before the left one."""
-    ahead = 0.55 if sign > 0 else 0.45
-    upper = unit(np.array([-sign * 0.1, -0.86, -ahead]))
-    fore = unit(np.array([-sign * 0.87, 0.4, -0.3]))
+    """A forearm across the chest; the right one lies before the left one."""
+    ahead = 0.9 if sign > 0 else 0.5
+    upper = unit(np.array([-sign * 0.4, -1.0, -ahead]))
+    fore = unit(np.array([-sign * 1.0, 0.55, 0.0]))
     return ArmKey(upper, fore, unit(np.array([0.0, -0.2, 1.0])), RELAXED)
 
 

@@ -18,7 +18,7 @@ from teleop.body.tracker import BodyTracker
 from teleop.config import TeleopConfig
 from teleop.evaluation.stills import tester
 from teleop.frames import Camera, kinect_v1
-from teleop.operator_model.helped import HelpedPicker
+from teleop.operator_model.helped_picking import HelpedPicker
 from teleop.operator_model.picking import Picker, ready_to_pick
 from teleop.operator_model.spraying import Leaves, Sprayer, ready_to_spray
 from teleop.operator_model.traits import Traits, traits_of

@@ -1,5 +1,7 @@
 """The engage gesture and the body stop."""
 
+from dataclasses import replace
+
 import pytest
 from stick_figure import BESIDE_HEAD, CROSSED, Arm, Person, raised, skeleton, without
 
@@ -7,6 +9,7 @@ from teleop.angles import body_angles
 from teleop.config.intent import AngleConfig, EngageConfig
 from teleop.engage import GestureState, engage_pose, forearms_crossed, step_gestures
 from teleop.intent_types import Hand, Hands
+from teleop.joints import JOINT_INDEX
 
 CONFIG = EngageConfig()
 DT_S = 1 / 30
@@ -41,6 +44,22 @@ def test_forearms_crossed_before_the_chest() -> None:
     assert not forearms_crossed(skeleton(Person(right=reach, left=reach)), CONFIG)
     assert not forearms_crossed(skeleton(crossed.but(left=raised())), CONFIG)
     assert not forearms_crossed(without(skeleton(crossed), "wrist_left"), CONFIG)
+
+
+def test_folded_arms_are_crossed_though_the_elbow_under_them_is_found_elsewhere() -> None:
+    """The tracker's own answer to arms folded flat: the left elbow, under the right arm, is 20 cm off."""
+    found = skeleton(Person(right=CROSSED, left=CROSSED))
+    places = {
+        "elbow_right": (0.144, 0.085, 2.143), "wrist_right": (-0.099, 0.187, 2.121),
+        "elbow_left": (-0.198, 0.21, 2.114), "wrist_left": (0.044, 0.098, 2.118),
+        "shoulder_center": (0.0, 0.36, 2.3), "hip_center": (0.0, -0.15, 2.3),
+    }  # fmt: skip
+    joints = found.joints_m.copy()
+    for name, place in places.items():
+        joints[JOINT_INDEX[name]] = place
+    assert forearms_crossed(replace(found, joints_m=joints), CONFIG)
+    joints[JOINT_INDEX["wrist_left"]] = (-0.04, 0.098, 2.118)
+    assert not forearms_crossed(replace(found, joints_m=joints), CONFIG), "wrists hardly past each other prove nothing"
 
 
 def run(poses: list[tuple[bool, bool]]) -> list[tuple[bool, bool]]:

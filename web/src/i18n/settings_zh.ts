@@ -105,6 +105,7 @@ export const SETTINGS_ZH: Readonly<Record<string, string>> = {
   "intent.engage.elbow_bent_deg": "肘角小于此值视为弯曲",
   "intent.engage.crossed_s": "前臂交叉这么久则全部停止；规范第 3 节",
   "intent.engage.crossed_m": "两腕须相互越过的距离",
+  "intent.engage.crossed_far_m": "手腕互相越过这么远即视为交叉，不论被遮住的肘部被认为在哪里",
   "intent.engage.hold_progress": "手势进行到此程度时手臂保持",
   "intent.mapping.mapping": "paper：原文式 (14)-(21)；direction：求解 C1、C2",
   "intent.mapping.handedness": "left 时交换操作者左右手臂和手的作用",

@@ -10,7 +10,7 @@ from robot_sim.scenario import load_scenario
 from teleop.intent_types import ArmAngles, BodyAngles, Hands, Mode
 from teleop.operator_model.body import FIST, arm_key, standing
 from teleop.operator_model.console import ConsoleView
-from teleop.operator_model.helped import HelpedPicker, Stage, pointing
+from teleop.operator_model.helped_picking import HelpedPicker, Stage, pointing
 from teleop.operator_model.picking import ready_to_pick
 from teleop.operator_model.traits import traits_of
 

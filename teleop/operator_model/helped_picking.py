@@ -15,6 +15,7 @@ from robot_sim.stance import Stance
 from robot_sim.urdf_parts_arms import shoulder_pose
 from teleop.operator_model.body import FIST, OPEN, ArmPosture, Body, Posture
 from teleop.operator_model.console import ConsoleView, Scenery
+from teleop.operator_model.eye import fruit_m
 from teleop.operator_model.picking import HANG
 from teleop.operator_model.traits import Traits
 from teleop.people.rig import Floats
@@ -71,8 +72,7 @@ def pointing(direction: Floats, swivel_deg: float) -> ArmPosture:
 
 def _seen_from_shoulder(mind: HelpedPicker, view: ConsoleView, fruit: str, t_s: float) -> Floats:
     """(3,) unit vector from the robot's right shoulder to a fruit as it is read off the screen."""
-    part = mind.scenery[fruit]
-    at = np.array(view.moved[fruit][:3] if fruit in view.moved else part.xyz_m) + mind.traits.eye.error_m(t_s)
+    at = fruit_m(view, mind.scenery, fruit) + mind.traits.eye.error_m(t_s)
     x, y, yaw = view.base
     stance = Stance(x, y, yaw, view.joint_rad["lift"], view.joint_rad["disc"])
     away = stance.to_disc(at, mind.config) - _shoulder_m(mind.config)
