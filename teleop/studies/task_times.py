@@ -180,6 +180,8 @@ def _plot(study: TaskStudy, folder: Path) -> str:
         ax.set_xlabel("tester")
         ax.set_xticks([t.tester + 1 for t in mine])
         ax.grid(axis="y", alpha=0.3)
-        ax.legend(fontsize=8, loc="lower right")
     axes[0].set_ylabel("time [s]")
+    # under the axes, where it covers no bar; every look once, whichever task has it
+    looks = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    figure.legend(looks.values(), looks.keys(), loc="outside lower center", ncols=len(looks), fontsize=8)
     return save(figure, folder / "task_times.png")
