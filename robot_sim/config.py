@@ -59,14 +59,14 @@ class ChassisConfig(RobotSection):
         default=4.0, ge=0.2, le=20.0, description="braking of turning when told to stand still [rad/s2]"
     )
     estop_m_s2: float = Field(
-        default=5.0,
+        default=8.0,
         ge=0.2,
         le=10.0,
-        description="braking on emergency stop [m/s2]; the tracks grip up to 8.8 and with the lift up, arms ahead, the "
-        "robot tips from 6 on",
+        description="braking on emergency stop [m/s2]; the tracks grip up to 8.8; from full speed with the lift up and "
+        "arms ahead a wheel lifts by less than a millimetre",
     )
     estop_rad_s2: float = Field(
-        default=12.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]"
+        default=20.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]"
     )
     motor_nm: float = Field(
         default=40.0, ge=1.0, le=500.0, description="torque of one track's motor at its wheels [Nm]"

@@ -331,7 +331,10 @@ class World:
         client = self._client
         client.resetSimulation()
         client.setGravity(0.0, 0.0, -9.81)
-        client.setPhysicsEngineParameter(fixedTimeStep=TICK_S, numSolverIterations=50, deterministicOverlappingPairs=1)
+        # Bullet's friction cone takes the outer wheels' low friction across the tracks for that of all directions
+        client.setPhysicsEngineParameter(
+            fixedTimeStep=TICK_S, numSolverIterations=50, deterministicOverlappingPairs=1, enableConeFriction=0
+        )
         load_floor(client)
         self._obstacles = load_obstacles(client, solid(self._greenhouse.parts))
         load_looks(client, self._meshes)

@@ -1,4 +1,4 @@
-"""The floor plane: RANSAC on a decimated cloud, checked against the last frame first."""
+"""The floor plane: RANSAC on the level cells of a decimated cloud, checked against the last frame first."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def search_plane(
 def find_floor(
     points_m: npt.NDArray[np.float32], previous: FloorPlane | None, config: FloorConfig
 ) -> FloorPlane | None:
-    """Floor plane of a cloud (N, 3) in camera axes, or None where no floor is to be seen.
+    """Floor plane of a cloud (N, 3) in camera axes (teleop.body.grid.level_cloud), or None where there is none.
 
     A previous plane that still fits is refined instead of searched anew. Deterministic: the trials are drawn from a
     fixed seed. Fischler and Bolles 1981.
@@ -140,7 +140,7 @@ def _refine(
 ) -> FloorPlane | None:
     """Plane through the inliers, or None where they are too few or too small a patch.
 
-    Fitted again with a narrower band: the foot of a wall lies within the first one and tilts it.
+    Fitted again with a narrower band: shoes and the feet of things lie within the first one and tilt it.
     """
     for share in (1.0, 0.8, 0.8):
         normal, height_m, count, extent_m = fit_plane(points_m, normal, height_m, share * config.inlier_m)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numba as nb
 import numpy as np
@@ -11,6 +12,8 @@ import numpy.typing as npt
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane
 
+LEVEL_ROWS: Final = 2
+"""A cell's slope is seen over so many rows: fewer drown in noise, more reach over the floor's edge."""
 F32 = npt.NDArray[np.float32]
 Window = tuple[int, int, int, int]
 """First row and column of a part of the grid, and the ends of both, excluded."""
@@ -47,23 +50,44 @@ def _rays(camera: Camera, step: int, columns: int, rows: int) -> tuple[F32, F32]
 
 
 @nb.njit(cache=True, nogil=True)
-def _cloud(depth_mm: npt.NDArray[np.uint16], across: F32, up: F32, near_mm: int, far_mm: int) -> F32:
+def _rises(one_mm: np.int64, other_mm: np.int64, across: np.float32, one_up: np.float32, other_up: np.float32) -> bool:
+    """Whether the surface between two cells of a column is steeper than 45 degrees."""
+    dz = np.float32(other_mm - one_mm)
+    dx, dy = across * dz, other_up * np.float32(other_mm) - one_up * np.float32(one_mm)
+    return bool(dy * dy >= dx * dx + dz * dz)
+
+
+@nb.njit(cache=True, nogil=True)
+def _level_cloud(depth_mm: npt.NDArray[np.uint16], across: F32, up: F32, near_mm: int, far_mm: int) -> F32:
     h, w = depth_mm.shape
     out = np.empty((h * w, 3), np.float32)
     n = 0
     for r in range(h):
         for c in range(w):
             d = np.int64(depth_mm[r, c])
-            if near_mm < d < far_mm:
+            if not near_mm < d < far_mm:
+                continue
+            seen, steep = False, False
+            for other in (r - LEVEL_ROWS, r + LEVEL_ROWS):
+                if 0 <= other < h:
+                    e = np.int64(depth_mm[other, c])
+                    if near_mm < e < far_mm:
+                        seen = True
+                        steep |= _rises(d, e, across[c], up[r], up[other])
+            if seen and not steep:
                 z = np.float32(d) * np.float32(1e-3)
                 out[n, 0], out[n, 1], out[n, 2] = across[c] * z, up[r] * z, z
                 n += 1
     return out[:n]
 
 
-def cloud(grid: Grid, near_m: float, far_m: float) -> F32:
-    """Points (N, 3) in camera axes of the cells between two depths."""
-    points: F32 = _cloud(grid.depth_mm, grid.across, grid.up, round(near_m * 1000), round(far_m * 1000))
+def level_cloud(grid: Grid, near_m: float, far_m: float) -> F32:
+    """Points (N, 3) in camera axes of the cells between two depths that may lie on a floor: the surface rises by less
+    than 45 degrees from each of them to the cells LEVEL_ROWS above and below.
+
+    The foot of a wall lies within a floor's noise; with it the plane tilts by degrees.
+    """
+    points: F32 = _level_cloud(grid.depth_mm, grid.across, grid.up, round(near_m * 1000), round(far_m * 1000))
     return points
 
 

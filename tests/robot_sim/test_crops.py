@@ -94,10 +94,11 @@ def test_an_uncut_fruit_stays_on_its_plant(world: World) -> None:
     reach_for(world, fruit)
     run(world, 0.8, gripper_open=False)
     run(world, 1.0, right_arm=ArmTarget(10, 0, 100))
-    state = run(world, 3.0, gripper_open=True)
+    # let go, it swings to rest
+    state = run(world, 12.0, gripper_open=True)
     assert state.fruits == {}
     where = state.moved.get(fruit.name, fruit.xyz_m)
-    assert math.dist(where[:3], fruit.xyz_m) < 0.03
+    assert math.dist(where[:3], fruit.xyz_m) < 0.01
 
 
 def test_cutting_air_cuts_nothing(world: World) -> None:

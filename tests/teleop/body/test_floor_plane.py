@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from teleop.body.floor import find_floor
+from teleop.body.grid import decimate, level_cloud
 from teleop.config.body import FloorConfig
+from teleop.frames import Camera, DepthFrame, kinect_v1
 
 
 def scene(tilt_deg: float, height_m: float, seed: int) -> np.ndarray:
@@ -42,3 +44,34 @@ def test_previous_plane_is_smoothed_and_equal_input_gives_equal_output() -> None
 def test_no_floor_where_only_a_person_is_seen() -> None:
     points = scene(0, 1.0, 0)[5500:]
     assert find_floor(points, None, FloorConfig()) is None
+
+
+def room(tilt_deg: float, wall_m: float, seed: int) -> DepthFrame:
+    """A bare floor 1 m below a sensor that looks down by tilt_deg, and a wall, with a Kinect's noise."""
+    camera = Camera(kinect_v1(640, 480))
+    k = camera.depth
+    v, u = np.mgrid[: k.height, : k.width]
+    x, y = (u - k.cx) / k.fx, -(v - k.cy) / k.fy
+    a = np.radians(tilt_deg)
+    up, ahead = np.cos(a) * y - np.sin(a), np.sin(a) * y + np.cos(a)
+    with np.errstate(divide="ignore"):
+        z_m = np.minimum(np.where(up < 0, -1.0 / up, np.inf), wall_m / ahead)
+    z_m += np.random.default_rng(seed).normal(0.0, 1.0, x.shape) * 0.0014 * z_m**2
+    return DepthFrame(0, np.round(z_m * 1000).astype(np.uint16), camera)
+
+
+@pytest.mark.parametrize(("tilt_deg", "wall_m"), [(0, 3.0), (4, 4.2), (12, 3.5)])
+def test_the_foot_of_a_wall_does_not_tilt_the_floor(tilt_deg: float, wall_m: float) -> None:
+    grid = decimate(room(tilt_deg, wall_m, 1), 160)
+    floor = find_floor(level_cloud(grid, 0.5, 5.0), None, FloorConfig())
+    assert floor is not None
+    true = np.array([0.0, np.cos(np.radians(tilt_deg)), -np.sin(np.radians(tilt_deg))])
+    assert np.degrees(np.arccos(min(1.0, floor.normal @ true))) < 0.25
+    assert floor.camera_height_m == pytest.approx(1.0, abs=0.01)
+
+
+def test_only_level_surfaces_may_be_floor() -> None:
+    grid = decimate(room(0, 3.0, 2), 160)
+    level = level_cloud(grid, 0.5, 5.0)
+    assert len(level) > 1000 and (abs(level[:, 1] + 1.0) < 0.08).mean() > 0.95
+    assert len(level_cloud(grid, 3.2, 5.0)) == 0
