@@ -71,6 +71,13 @@ class ChassisConfig(RobotSection):
     motor_nm: float = Field(
         default=40.0, ge=1.0, le=500.0, description="torque of one track's motor at its wheels [Nm]"
     )
+    brake_nm: float = Field(
+        default=100.0,
+        ge=1.0,
+        le=500.0,
+        description="torque of one track's spring-applied brake, with its motor, at its wheels [Nm]; choice: more than "
+        "the track grips; it closes on emergency stop",
+    )
     heading_gain_1_s: float = Field(
         default=4.0, ge=0.0, le=20.0, description="gyro: turning rate per heading error [1/s]"
     )

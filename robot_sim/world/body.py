@@ -82,7 +82,9 @@ class RobotBody:
         self._gains = [config.position_gain] * len(JOINTS)
         self._ones = [1.0] * len(JOINTS)
         self._radius = config.chassis.wheel_radius_m
-        self._wheel_efforts = [config.chassis.motor_nm / 3.0] * len(WHEELS)
+        self._driving, self._braking = (
+            [torque_nm / 3.0] * len(WHEELS) for torque_nm in (config.chassis.motor_nm, config.chassis.brake_nm)
+        )
         # across the tracks, along a wheel's own y; a URDF knows one friction for all directions
         across = config.chassis.scrub_friction / config.chassis.track_friction
         for name in OUTER_WHEELS:
@@ -116,7 +118,7 @@ class RobotBody:
             self._wheels,
             pybullet.VELOCITY_CONTROL,
             targetVelocities=[left] * 3 + [right] * 3,
-            forces=self._wheel_efforts,
+            forces=self._braking if setpoints.estop else self._driving,
         )
 
     def joints(self) -> list[tuple[float, float]]:

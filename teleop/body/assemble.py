@@ -58,14 +58,29 @@ def best_modes(
     return choice
 
 
+@nb.njit(cache=True, nogil=True)
+def _forget_long(
+    joints_m: npt.NDArray[np.float64],
+    confidence: npt.NDArray[np.float64],
+    parent: npt.NDArray[np.int64],
+    child: npt.NDArray[np.int64],
+    longest_m: npt.NDArray[np.float64],
+) -> None:
+    for bone in range(len(parent)):
+        p, c = parent[bone], child[bone]
+        square = 0.0
+        for k in range(3):
+            square += (joints_m[c, k] - joints_m[p, k]) ** 2
+        if np.sqrt(square) > longest_m[bone]:  # False where one is unknown
+            joints_m[c if confidence[c] <= confidence[p] else p] = np.nan
+
+
 def without_long_bones(
     joints_m: npt.NDArray[np.float64], confidence: npt.NDArray[np.float64], longest_m: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
     """Joints (20, 3) with the less sure end of every impossibly long bone unknown. longest_m: (B,)."""
     out = joints_m.copy()
-    for parent, child, longest in zip(_PARENT, _CHILD, longest_m, strict=True):
-        if np.linalg.norm(out[child] - out[parent]) > longest:  # False where one is unknown
-            out[child if confidence[child] <= confidence[parent] else parent] = np.nan
+    _forget_long(out, confidence, _PARENT, _CHILD, longest_m)
     return out
 
 

@@ -38,25 +38,43 @@ def unknown_bones() -> Bones:
     return Bones(np.full(len(KINDS), np.nan), np.zeros(len(KINDS)))
 
 
+@nb.njit(cache=True, nogil=True)
+def _learn(
+    length_m: Floats,
+    weight: Floats,
+    joints_m: Floats,
+    variance: Floats,
+    pairs: npt.NDArray[np.int64],
+    learn_variance: float,
+    memory_frames: float,
+) -> None:
+    for kind in range(len(pairs)):
+        total, summed = 0.0, 0.0
+        for side in range(pairs.shape[1]):
+            a, b = pairs[kind, side]
+            square = 0.0
+            for k in range(3):
+                square += (joints_m[b, k] - joints_m[a, k]) ** 2
+            sure = learn_variance / max(variance[a] + variance[b], 1e-8)
+            if np.isnan(square) or not sure >= 0.25:
+                continue
+            total += min(sure, 1.0)
+            summed += min(sure, 1.0) * np.sqrt(square)
+        if total > 0.0:
+            kept = min(weight[kind], memory_frames - total)
+            known_m = kept * length_m[kind] if kept > 0.0 else 0.0
+            length_m[kind] = (known_m + summed) / (kept + total)
+            weight[kind] = kept + total
+
+
 def learn(bones: Bones, joints_m: Floats, spread_m: Floats, config: BonesConfig) -> Bones:
     """The lengths after one more frame: running means weighted by how surely both ends were found.
 
     joints_m: (20, 3), NaN unknown. spread_m: (20,).
     """
-    ends, spread = joints_m[PAIRS], spread_m[PAIRS]
-    found = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
-    with np.errstate(invalid="ignore"):
-        sure = config.learn_spread_m**2 / np.maximum((spread**2).sum(axis=2), 1e-8)
-    share = np.where(np.isnan(found) | (sure < 0.25), 0.0, np.minimum(sure, 1.0))
-    total = share.sum(axis=1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.nansum(np.where(share > 0, share * found, 0.0), axis=1) / total
-    kept = np.minimum(bones.weight, config.memory_frames - total)
-    length = np.where(
-        total > 0, np.where(np.isnan(bones.length_m), mean, (kept * bones.length_m + total * mean) / (kept + total)),
-        bones.length_m,
-    )  # fmt: skip
-    return Bones(length, np.where(total > 0, kept + total, bones.weight))
+    length_m, weight = bones.length_m.copy(), bones.weight.copy()
+    _learn(length_m, weight, joints_m, spread_m**2, PAIRS, config.learn_spread_m**2, float(config.memory_frames))
+    return Bones(length_m, weight)
 
 
 @nb.njit(cache=True, nogil=True)

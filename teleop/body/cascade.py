@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from functools import partial
-from typing import Final
+from typing import Final, ParamSpec
 
 import numpy as np
 import numpy.typing as npt
@@ -19,11 +18,15 @@ from teleop.body.features import Pixels
 from teleop.body.limbs import GROUPS, Round, place
 
 N_CUES: Final = 6
-_ALL: Final = tuple(range(len(GROUPS)))
-_ARMS: Final = (0,)
-_REST: Final = (1, 2)
+_AHEAD: Final = (0, 2), (1,)
+"""Groups of the first look that are looked at beside, before the forest is done, and those left for then."""
+_BESIDE: Final = (0,), (1, 2)
+"""The same of the other looks, which begin at once on both sides."""
 
 Floats = npt.NDArray[np.float64]
+Known = tuple[Floats, Floats]
+"""Joints (20, 3) and how far they may be off (20,), in metres."""
+P = ParamSpec("P")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,50 +51,54 @@ class Placed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Begun:
-    """The coarse joints (20, 3) and spreads (20,), and those after the looks so far."""
+    """What is under way: all joints (20, 3) and spreads (20,) of the coarse network, and a part of the first look."""
 
-    coarse_m: Floats
-    coarse_spread_m: Floats
-    joints_m: Floats
-    spread_m: Floats
-    looks: int
+    whole: Callable[[], Known]
+    ahead: Callable[[], Known] | None
 
 
-def begin(cascade: Cascade, image: Pixels, rounds: int) -> Begun:
-    """The coarse network and the first look, which take as long as the forest does beside them."""
-    joints_m, spread_m = coarse_m, coarse_spread_m = locate(cascade.coarse, image)
-    first = cascade.rounds[: min(rounds, 1)]
-    for nets in first:
-        joints_m, spread_m = place(nets, image, joints_m, _ALL)
-    return Begun(coarse_m, coarse_spread_m, joints_m, spread_m, len(first))
+def begin(cascade: Cascade, image: Pixels, rounds: int, beside: Executor | None = None) -> Begun:
+    """Start the coarse network and most of the first look, which take as long as the forest does beside them."""
+    whole = _later(beside, locate, cascade.coarse, image)
+    if not cascade.rounds[:rounds]:
+        return Begun(whole, None)
+    return Begun(whole, _later(beside, lambda: place(cascade.rounds[0], image, whole()[0], _AHEAD[0])))
 
 
 def settle(
     cascade: Cascade, image: Pixels, begun: Begun, forest_m: Floats, rounds: int, beside: Executor | None = None
 ) -> Placed:
-    """From the first look (begin) on, through at most ``rounds`` looks.
+    """From what is under way (begin) on, through at most ``rounds`` looks.
 
-    forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer. beside: where the arms are
-    looked at while legs and trunk are looked at here.
+    forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer. beside: where some limbs are
+    looked at while the others are looked at here.
     """
-    joints_m, spread_m = begun.joints_m, begun.spread_m
-    for nets in cascade.rounds[begun.looks : rounds]:
-        joints_m, spread_m = _both(partial(place, nets, image, joints_m), beside)
-    moved_m = np.linalg.norm(joints_m - begun.coarse_m, axis=1)
+    joints_m, spread_m = coarse_m, coarse_spread_m = begun.whole()
+    ahead = begun.ahead
+    for nets in cascade.rounds[:rounds]:
+        there, here = _BESIDE if ahead is None else _AHEAD
+        theirs = ahead or _later(beside, place, nets, image, joints_m, there)
+        joints_m, spread_m = _joined(place(nets, image, joints_m, here), theirs(), there)
+        ahead = None
+    moved_m = np.linalg.norm(joints_m - coarse_m, axis=1)
     apart_m = np.linalg.norm(forest_m - joints_m, axis=1)
-    return Placed(joints_m, spread_m, trust_cues(begun.coarse_spread_m, spread_m, moved_m, apart_m))
+    return Placed(joints_m, spread_m, trust_cues(coarse_spread_m, spread_m, moved_m, apart_m))
 
 
-def _both(look: Callable[[tuple[int, ...]], tuple[Floats, Floats]], beside: Executor | None) -> tuple[Floats, Floats]:
-    """Arms beside, legs and trunk here; joints and spreads of all groups."""
+def _later(beside: Executor | None, work: Callable[P, Known], *args: P.args, **kwargs: P.kwargs) -> Callable[[], Known]:
+    """The work's result once it is asked for; done at once where there is nobody beside."""
     if beside is None:
-        return look(_ALL)
-    arms = beside.submit(look, _ARMS)
-    joints, spread = look(_REST)
-    arm_joints, arm_spread = arms.result()
-    which = GROUPS[_ARMS[0]]
-    joints[which], spread[which] = arm_joints[which], arm_spread[which]
-    return joints, spread
+        known = work(*args, **kwargs)
+        return lambda: known
+    return beside.submit(work, *args, **kwargs).result
+
+
+def _joined(here: Known, there: Known, groups: tuple[int, ...]) -> Known:
+    """Joints and spreads, those of some groups from there."""
+    for group in groups:
+        for of, own in zip(here, there, strict=True):
+            of[GROUPS[group]] = own[GROUPS[group]]
+    return here
 
 
 def trust_cues(coarse_spread_m: Floats, spread_m: Floats, moved_m: Floats, apart_m: Floats) -> Floats:

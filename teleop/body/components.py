@@ -156,27 +156,28 @@ def grow_mask(
     height, width = depth_mm.shape
     rows, columns = labels.shape
     mask = np.zeros((height, width), np.bool_)
-    chosen = np.zeros((rows + 2, columns + 2), np.bool_)
+    # with a frame of one cell; a cell that is not chosen has no limit, so that nothing agrees with it
     limit = np.zeros((rows + 2, columns + 2), np.int32)
     middle = np.zeros((rows + 2, columns + 2), np.int32)
+    c0, r0, c1, r1 = columns, rows, 0, 0
     for r in range(rows):
         for c in range(columns):
             if labels[r, c] >= 0 and members[labels[r, c]]:
+                c0, r0, c1, r1 = min(c0, c), min(r0, r), max(c1, c + 1), max(r1, r + 1)
                 z = grid_mm[r, c] * np.float32(1e-3)
-                chosen[r + 1, c + 1] = True
                 middle[r + 1, c + 1] = grid_mm[r, c]
                 limit[r + 1, c + 1] = jump_m * 1000.0 * max(np.float32(1.0), z * z * np.float32(0.25))
     a, b, top, e = np.float32(floor_row[0]), np.float32(floor_row[1]), np.float32(floor_row[2]), floor_row[3]
     area, u0, v0, u1, v1 = 0, width, height, 0, 0
-    for r in range(rows):
-        for c in range(columns):
+    for r in range(max(0, r0 - 1), min(rows, r1 + 1)):
+        for c in range(max(0, c0 - 1), min(columns, c1 + 1)):
             near = False
             for rr in range(r, r + 3):
                 for cc in range(c, c + 3):
-                    near |= chosen[rr, cc]
+                    near |= limit[rr, cc] > 0
             if not near:
                 continue
-            own, own_limit, own_chosen = middle[r + 1, c + 1], limit[r + 1, c + 1], chosen[r + 1, c + 1]
+            own, own_limit = middle[r + 1, c + 1], limit[r + 1, c + 1]
             for v in range(r * step, min(r * step + step, height)):
                 for u in range(c * step, min(c * step + step, width)):
                     d = np.int32(depth_mm[v, u])
@@ -185,11 +186,11 @@ def grow_mask(
                     if np.float32(d) * np.float32(1e-3) * (a * u + b * v + top) + e <= 0:
                         continue
                     # nearly always its own cell agrees
-                    inside = own_chosen and abs(d - own) < own_limit
+                    inside = abs(d - own) < own_limit
                     if not inside:
                         for rr in range(r, r + 3):
                             for cc in range(c, c + 3):
-                                inside |= chosen[rr, cc] and abs(d - middle[rr, cc]) < limit[rr, cc]
+                                inside |= abs(d - middle[rr, cc]) < limit[rr, cc]
                     if inside:
                         mask[v, u] = True
                         area += 1

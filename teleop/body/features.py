@@ -57,6 +57,28 @@ class PaddedImage:
     cy: float
 
 
+@nb.njit(cache=True, nogil=True)
+def _cut(
+    depth_mm: npt.NDArray[np.uint16], mask: npt.NDArray[np.bool_], box: tuple[int, int, int, int], step: int, flip: bool
+) -> tuple[npt.NDArray[np.int16], int]:
+    """Every step-th pixel of the box, FAR_MM off the operator, and the nearest depth; flip: columns backwards."""
+    u0, v0, u1, v1 = box
+    height, width = max(0, -((v0 - v1) // step)), max(0, -((u0 - u1) // step))
+    out = np.empty((height, width), np.int16)
+    far, nearest = np.int16(FAR_MM), np.int16(FAR_MM)
+    for i in range(height):
+        depths, inside, row = depth_mm[v0 + i * step, u0:u1], mask[v0 + i * step, u0:u1], out[i]
+        # unsigned indices cannot be negative, so the loop is done in steps of many pixels
+        for j in range(np.uint64(width)):
+            z, own = depths[j * np.uint64(step)], inside[j * np.uint64(step)]
+            value = np.int16(z) if own and z < FAR_MM else far
+            row[j] = value
+            nearest = min(nearest, value)
+        if flip:
+            row[:] = row[::-1].copy()
+    return out, int(nearest)
+
+
 def pad_image(
     depth_mm: npt.NDArray[np.uint16],
     mask: npt.NDArray[np.bool_],
@@ -72,17 +94,14 @@ def pad_image(
     """
     u0, v0, u1, v1 = box
     u0, v0 = u0 + -u0 % step, v0 + -v0 % step
-    crop, inside = depth_mm[v0:v1:step, u0:u1:step], mask[v0:v1:step, u0:u1:step]
     k = camera.depth
     fx, fy, cx, cy = k.fx / step, k.fy / step, k.cx / step, k.cy / step
-    height, width = crop.shape
-    body = np.where(inside & (crop < FAR_MM), crop, FAR_MM).astype(np.int16)
-    nearest_mm = max(int(body.min(initial=FAR_MM)), 1)
-    pad = int(np.ceil(max_offset_m * max(fx, fy) * 1000.0 / nearest_mm)) + 1
+    body, nearest_mm = _cut(depth_mm, mask, (u0, v0, u1, v1), step, not camera.mirrored)
+    height, width = body.shape
+    pad = int(np.ceil(max_offset_m * max(fx, fy) * 1000.0 / max(nearest_mm, 1))) + 1
     image = np.full((height + 2 * pad, width + 2 * pad), FAR_MM, np.int16)
     left = u0 // step
     if not camera.mirrored:
-        body = body[:, ::-1]
         # pixel u of the camera is pixel -u here: the canonical image may begin anywhere
         cx, left = -cx, -(left + width - 1)
     image[pad : pad + height, pad : pad + width] = body
@@ -93,16 +112,11 @@ def operator_pixels(
     depth_mm: npt.NDArray[np.uint16], mask: npt.NDArray[np.bool_], box: tuple[int, int, int, int], camera: Camera
 ) -> Pixels:
     """Canonical image of the operator's pixels at full resolution, without padding; arguments as in pad_image."""
-    u0, v0, u1, v1 = box
-    crop = depth_mm[v0:v1, u0:u1]
-    body = np.where(mask[v0:v1, u0:u1] & (crop < FAR_MM), crop, FAR_MM).astype(np.int16)
-    k = camera.depth
+    body, _ = _cut(depth_mm, mask, box, 1, not camera.mirrored)
+    k, (u0, v0, _, _) = camera.depth, box
     height, width = body.shape
-    cx = k.cx - u0
-    if not camera.mirrored:
-        body, cx = body[:, ::-1], width - 1 - cx
-    flat = np.ascontiguousarray(body).reshape(-1)
-    return Pixels(flat, 0, width, height, np.array([k.fx, k.fy, cx, k.cy - v0]))
+    cx = k.cx - u0 if camera.mirrored else width - 1 - (k.cx - u0)
+    return Pixels(body.reshape(-1), 0, width, height, np.array([k.fx, k.fy, cx, k.cy - v0]))
 
 
 def working_step(camera: Camera, working_focal_px: float) -> int:

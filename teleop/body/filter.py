@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba as nb
 import numpy as np
 import numpy.typing as npt
 
 from teleop.config.body import FilterConfig
 from teleop.joints import N_JOINTS
+
+Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -16,10 +19,10 @@ class FilterState:
     """What the filter remembers. joints_m, velocity_m_s: (20, 3), NaN while unknown. gated_s: (20,) time since the
     last accepted measurement. confidence: (20,) of that measurement."""
 
-    joints_m: npt.NDArray[np.float64]
-    velocity_m_s: npt.NDArray[np.float64]
-    gated_s: npt.NDArray[np.float64]
-    confidence: npt.NDArray[np.float64]
+    joints_m: Floats
+    velocity_m_s: Floats
+    gated_s: Floats
+    confidence: Floats
 
 
 def empty_state() -> FilterState:
@@ -28,49 +31,63 @@ def empty_state() -> FilterState:
     return FilterState(unknown, np.zeros((N_JOINTS, 3)), np.full(N_JOINTS, np.inf), np.zeros(N_JOINTS))
 
 
-def smoothing_factor(cutoff_hz: npt.ArrayLike, dt_s: float) -> npt.NDArray[np.float64]:
+@nb.njit(cache=True, nogil=True)
+def smoothing_factor(cutoff_hz: float, dt_s: float) -> float:
     """Weight of the new value in a first-order low pass sampled every dt_s."""
-    r = 2.0 * np.pi * np.asarray(cutoff_hz, dtype=np.float64) * dt_s
-    return r / (r + 1.0)
+    r = 2.0 * np.pi * cutoff_hz * dt_s
+    return float(r / (r + 1.0))
+
+
+@nb.njit(cache=True, nogil=True)
+def _step(
+    joints_m: Floats,
+    confidence: Floats,
+    dt_s: float,
+    last_m: Floats,
+    last_velocity_m_s: Floats,
+    last_gated_s: Floats,
+    last_confidence: Floats,
+    most_m: float,
+    hold_s: float,
+    cutoffs: tuple[float, float, float],
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """filter_step with the state's arrays; most_m: the way a joint may jump. cutoffs: lowest [Hz], beta, derivative's
+    [Hz]. Returns joints, velocity, gated_s, confidence shown and kept."""
+    min_cutoff_hz, beta, derivative_cutoff_hz = cutoffs
+    out, velocity = np.full_like(joints_m, np.nan), np.zeros_like(last_velocity_m_s)
+    gated_s, shown, kept = np.zeros(len(out)), np.zeros(len(out)), np.zeros(len(out))
+    a = smoothing_factor(derivative_cutoff_hz, dt_s)
+    for j in range(len(out)):
+        known, measured = not np.isnan(last_m[j, 0]), not np.isnan(joints_m[j, 0])
+        waiting_s = last_gated_s[j] + dt_s
+        expired = waiting_s > hold_s
+        near = np.linalg.norm(joints_m[j] - last_m[j]) <= most_m  # False where either is unknown
+        if measured and (not known or near or expired):
+            shown[j] = kept[j] = confidence[j]
+            if not (known and near):
+                out[j] = joints_m[j]
+                continue
+            velocity[j] = last_velocity_m_s[j] + a * ((joints_m[j] - last_m[j]) / dt_s - last_velocity_m_s[j])
+            b = smoothing_factor(min_cutoff_hz + beta * float(np.linalg.norm(velocity[j])), dt_s)
+            out[j] = last_m[j] + b * (joints_m[j] - last_m[j])
+            continue
+        gated_s[j] = waiting_s
+        if known and not expired:
+            out[j] = last_m[j]
+            shown[j], kept[j] = last_confidence[j] * (1.0 - waiting_s / hold_s), last_confidence[j]
+    return out, velocity, gated_s, shown, kept
 
 
 def filter_step(
-    joints_m: npt.NDArray[np.float64],
-    confidence: npt.NDArray[np.float64],
-    dt_s: float,
-    state: FilterState,
-    config: FilterConfig,
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], FilterState]:
+    joints_m: Floats, confidence: Floats, dt_s: float, state: FilterState, config: FilterConfig
+) -> tuple[Floats, Floats, FilterState]:
     """One step. joints_m: (20, 3) measured, NaN unknown. Returns joints, confidence and the next state.
 
     A joint that moves faster than a body can, or is not measured, is held for ``hold_s`` with falling confidence;
     then a measurement is believed where it is and a missing joint becomes unknown.
     """
-    known = ~np.isnan(state.joints_m[:, 0])
-    measured = ~np.isnan(joints_m[:, 0])
-    waiting_s = state.gated_s + dt_s
-    with np.errstate(invalid="ignore"):
-        jump_m = np.linalg.norm(joints_m - state.joints_m, axis=1)
-        near = jump_m <= config.gate_margin_m + config.max_speed_m_s * dt_s
-    expired = waiting_s > config.hold_s
-    accept = measured & (~known | near | expired)
-    fresh = accept & (~known | ~near)
-    smooth = accept & ~fresh
-    held = known & ~accept & ~expired
-
-    out = np.full_like(joints_m, np.nan)
-    velocity = np.zeros_like(state.velocity_m_s)
-    out[fresh] = joints_m[fresh]
-    out[held] = state.joints_m[held]
-    if smooth.any():
-        raw = (joints_m[smooth] - state.joints_m[smooth]) / dt_s
-        a = smoothing_factor(config.derivative_cutoff_hz, dt_s)
-        velocity[smooth] = state.velocity_m_s[smooth] + a * (raw - state.velocity_m_s[smooth])
-        speed = np.linalg.norm(velocity[smooth], axis=1)
-        b = smoothing_factor(config.min_cutoff_hz + config.beta * speed, dt_s)[:, None]
-        out[smooth] = state.joints_m[smooth] + b * (joints_m[smooth] - state.joints_m[smooth])
-    gated_s = np.where(accept, 0.0, waiting_s)
-    fading = np.clip(1.0 - waiting_s / config.hold_s, 0.0, 1.0)
-    shown = np.where(accept, confidence, np.where(held, state.confidence * fading, 0.0))
-    kept = np.where(accept, confidence, np.where(held, state.confidence, 0.0))
+    most_m = config.gate_margin_m + config.max_speed_m_s * dt_s
+    cutoffs = (config.min_cutoff_hz, config.beta, config.derivative_cutoff_hz)
+    last = (state.joints_m, state.velocity_m_s, state.gated_s, state.confidence)
+    out, velocity, gated_s, shown, kept = _step(joints_m, confidence, dt_s, *last, most_m, config.hold_s, cutoffs)
     return out, shown, FilterState(out, velocity, gated_s, kept)

@@ -101,13 +101,10 @@ def _standing(
     R: F32,
     height_m: float,
     clearance_m: float,
-    person: F32,
-    min_person: float,
     points: F32,
 ) -> npt.NDArray[np.bool_]:
     h, w = depth_mm.shape
     usable = np.zeros((h, w), np.bool_)
-    least = np.float32(min_person)
     for r in range(h):
         for c in range(w):
             d = np.int64(depth_mm[r, c])
@@ -119,41 +116,19 @@ def _standing(
                 points[r, c, a] = R[a, 0] * x + R[a, 1] * y + R[a, 2] * z
             points[r, c, 1] += np.float32(height_m)
             # the band of the floor grows with z^2 as the sensor's noise does
-            high = points[r, c, 1] > np.float32(clearance_m) * max(np.float32(1.0), np.float32(0.25) * z * z)
-            usable[r, c] = high and (person.size == 0 or person[r, c] > least)
+            usable[r, c] = points[r, c, 1] > np.float32(clearance_m) * max(np.float32(1.0), np.float32(0.25) * z * z)
     return usable
 
 
 def standing(
-    grid: Grid,
-    near_m: float,
-    far_m: float,
-    floor: FloorPlane | None,
-    clearance_m: float,
-    person: F32 | None,
-    least: float,
+    grid: Grid, near_m: float, far_m: float, floor: FloorPlane | None, clearance_m: float
 ) -> tuple[npt.NDArray[np.bool_], F32]:
-    """Cells (h, w) above the floor that may show a person, and the levelled points (h, w, 3) of all cells, y the height
-    above the floor; camera axes without a floor.
-
-    person: (h, w) probability of each cell, or None; ``least`` of it is needed.
-    """
+    """Cells (h, w) above the floor, and the levelled points (h, w, 3) of all cells, y the height above the floor;
+    camera axes without a floor."""
     points = np.zeros((*grid.depth_mm.shape, 3), np.float32)
     R, height_m, clear_m = np.eye(3, dtype=np.float32), 0.0, -np.inf
     if floor is not None:
         R, height_m, clear_m = floor.R_level_camera().astype(np.float32), floor.camera_height_m, clearance_m
-    cells = np.zeros((0, 0), np.float32) if person is None else person
-    usable = _standing(
-        grid.depth_mm,
-        grid.across,
-        grid.up,
-        round(near_m * 1000),
-        round(far_m * 1000),
-        R,
-        height_m,
-        clear_m,
-        cells,
-        least,
-        points,
-    )
+    near_mm, far_mm = round(near_m * 1000), round(far_m * 1000)
+    usable = _standing(grid.depth_mm, grid.across, grid.up, near_mm, far_mm, R, height_m, clear_m, points)
     return usable, points

@@ -6,7 +6,7 @@ one at both legs, one at the trunk; left limbs are mirrored. A second round look
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numba as nb
@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from teleop.body.crop import LOCAL, Shape, joint_crops
 from teleop.body.features import Pixels, PixelTuple
-from teleop.body.layers import F32, Stack, run_dense, run_stack
+from teleop.body.layers import F32, I16, Stack, in_steps, run_dense, run_stack
 from teleop.joints import JOINT_INDEX, MIRROR_JOINT, N_JOINTS
 
 STEP_M: Final = 0.1
@@ -44,16 +44,16 @@ SWAPPED: Final = np.array(MIRROR_JOINT)
 
 
 NetTuple = tuple[
-    tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]], tuple[F32, F32, F32], tuple[F32, F32, F32]
+    tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]], tuple[I16, F32], F32, F32, tuple[F32, F32, F32]
 ]
-"""A LimbNet as compiled code takes it: stack, layers, their biases."""
+"""A LimbNet as compiled code takes it: stack, the three layers, their biases."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimbNet:
     """The network of one group. stack: over the crop of each joint. first: (LINKS * features + 3 N_JOINTS, H1),
     first_bias: (H1,). second: (H1, H2), second_bias. last: (H2, 4 LINKS), last_bias: move in STEP_M and log spread of
-    each joint."""
+    each joint. first_in_steps: first as it is run."""
 
     stack: Stack
     first: F32
@@ -62,11 +62,15 @@ class LimbNet:
     second_bias: F32
     last: F32
     last_bias: F32
+    first_in_steps: tuple[I16, F32] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "first_in_steps", in_steps(self.first))
 
     def tuple(self) -> NetTuple:
         """For compiled code."""
-        layers = (self.first, self.second, self.last)
-        return self.stack.parts(), layers, (self.first_bias, self.second_bias, self.last_bias)
+        biases = (self.first_bias, self.second_bias, self.last_bias)
+        return self.stack.parts(), self.first_in_steps, self.second, self.last, biases
 
 
 Round = tuple[LimbNet, LimbNet, LimbNet]
@@ -110,7 +114,7 @@ def limb_crops(image: PixelTuple, joints_m: Floats, group: npt.NDArray[np.int64]
 @nb.njit(cache=True, nogil=True)
 def run_limbs(crops: F32, poses: F32, net: NetTuple) -> F32:
     """The network's outputs (N, 4 LINKS) for N limbs: crops (N LINKS, rows, columns, 2), poses (N, 3 N_JOINTS)."""
-    (kernels, biases, shape), dense, dense_biases = net
+    (kernels, biases, shape), first, second, last, dense_biases = net
     seen = run_stack(crops, kernels, biases, shape)
     limbs, own = len(poses), poses.shape[1]
     features = seen.reshape(limbs, -1)
@@ -118,7 +122,7 @@ def run_limbs(crops: F32, poses: F32, net: NetTuple) -> F32:
     values = np.empty((limbs, wide + own), np.float32)
     values[:, :wide] = features
     values[:, wide:] = poses
-    return run_dense(values, dense[0], dense_biases[0], dense[1], dense_biases[1], dense[2], dense_biases[2])
+    return run_dense(values, first, second, last, dense_biases)
 
 
 @nb.njit(cache=True, nogil=True)

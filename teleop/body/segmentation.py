@@ -62,9 +62,10 @@ def look(
     if finder is not None and beside is not None:
         seeking = beside.submit(person_cells, finder, grid.depth_mm, window)
     floor = find_floor(level_cloud(grid, near_m, far_m), previous_floor, floor_config)
+    usable, levelled = standing(grid, near_m, far_m, floor, config.floor_clearance_m)
     if finder is not None:
         person = person_cells(finder, grid.depth_mm, window) if seeking is None else seeking.result()
-    usable, levelled = standing(grid, near_m, far_m, floor, config.floor_clearance_m, person, config.min_person)
+        usable &= person > config.min_person
     labels, count = label_surfaces(grid.depth_mm, usable, config.jump_m)
     cell_per_focal = grid.step / frame.camera.depth.fx
     surfaces = measure_surfaces(labels, levelled, grid.depth_mm, person, count, cell_per_focal)
@@ -72,14 +73,16 @@ def look(
 
 
 def window_round(
-    cells: npt.NDArray[np.bool_], depth_m: float, camera: Camera, config: SegmentationConfig
+    cells: npt.NDArray[np.bool_], depth_m: float, dt_s: float, camera: Camera, config: SegmentationConfig
 ) -> Window | None:
-    """The part of the grid within window_m of an operator's cells (h, w) at a depth; None where there are none."""
+    """The part of the grid that an operator can have reached in ``dt_s`` who was in cells (h, w) at a depth; None where
+    there are none."""
     rows, columns = np.flatnonzero(cells.any(axis=1)), np.flatnonzero(cells.any(axis=0))
     if len(rows) == 0:
         return None
     step = max(1, round(camera.depth.width / config.grid_columns))
-    margin = int(config.window_m * camera.depth.fx / step / max(depth_m, config.min_depth_m)) + 1
+    reach_m = config.window_m + config.window_m_s * dt_s
+    margin = int(reach_m * camera.depth.fx / step / max(depth_m, config.min_depth_m)) + 1
     height, width = cells.shape
     return (
         max(0, int(rows[0]) - margin),

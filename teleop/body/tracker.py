@@ -76,7 +76,7 @@ class BodyTracker:
         """Track one frame. Equal frames and states give equal results, bit for bit."""
         state, dt_s = self._continue(frame, state)
         reset = dt_s is None
-        window = self._window(frame, state)
+        window = self._window(frame, state, dt_s)
         scene = self._look(frame, state.floor, window)
         state = replace(state, t_ns=frame.t_ns, camera=frame.camera, floor=scene.floor)
         picked = self._pick(frame, scene, state)
@@ -121,11 +121,11 @@ class BodyTracker:
     def estimate(self, frame: DepthFrame, found: Candidate, previous_m: npt.NDArray[np.float64] | None) -> Single:
         """Joints of one candidate from this frame alone, helped by the last joints where given."""
         model, camera, config = self.model, frame.camera, self.config
-        cascade, seeing, placed = model.cascade, None, None
+        cascade, begun, placed = model.cascade, None, None
         if cascade is not None:
             # the networks begin on the second core while the forest runs on this one
             whole = operator_pixels(frame.depth_mm, found.mask, found.box, camera)
-            seeing = self._second.submit(begin, cascade, whole, config.cascade.rounds)
+            begun = begin(cascade, whole, config.cascade.rounds, self._second)
         step = working_step(camera, config.forest.working_focal_px)
         image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
         stride = stride_for(found.area_px // step**2, config.forest.max_pixels)
@@ -133,8 +133,8 @@ class BodyTracker:
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, config.proposals)
         forest_m, confidence = assemble(proposals, model.bones_m, previous_m, config.skeleton)
         joints = forest_m
-        if cascade is not None and seeing is not None:
-            placed = settle(cascade, whole, seeing.result(), forest_m, config.cascade.rounds, self._second)
+        if cascade is not None and begun is not None:
+            placed = settle(cascade, whole, begun, forest_m, config.cascade.rounds, self._second)
             if config.cascade.enabled:
                 confidence = trust(placed.cues, cascade.trust)
                 sure = confidence >= config.cascade.min_confidence
@@ -168,11 +168,11 @@ class BodyTracker:
         finder = self.model.finder if self.config.cascade.finder else None
         return look(frame, floor, finder, self.config.floor, self.config.segmentation, self._second, window)
 
-    def _window(self, frame: DepthFrame, state: TrackerState) -> Window | None:
+    def _window(self, frame: DepthFrame, state: TrackerState, dt_s: float | None) -> Window | None:
         """Where the operator may be by now; None where nobody was."""
-        if state.cells is None or state.centre_m is None or not self.config.filter.enabled:
+        if dt_s is None or state.cells is None or state.centre_m is None or not self.config.filter.enabled:
             return None
-        return window_round(state.cells, float(state.centre_m[2]), frame.camera, self.config.segmentation)
+        return window_round(state.cells, float(state.centre_m[2]), dt_s, frame.camera, self.config.segmentation)
 
     def _continue(self, frame: DepthFrame, state: TrackerState) -> tuple[TrackerState, float | None]:
         """The state to go on from and the seconds since; None at a new beginning (gap, time back, other camera)."""

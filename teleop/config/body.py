@@ -30,11 +30,10 @@ class SegmentationConfig(Section):
     max_depth_m: float = Field(5.0, ge=1, le=12, description="farthest depth used [m]")
     grid_columns: int = Field(160, ge=40, le=640, description="columns of the decimated grid that is labelled")
     window_m: float = Field(
-        0.5,
-        ge=0,
-        le=5,
-        description="people are looked for this far round the operator of the last frame [m]; "
-        "a fast hand moves 0.5 m in 100 ms",
+        0.1, ge=0, le=5, description="people are looked for at least this far round the operator of the last frame [m]"
+    )
+    window_m_s: float = Field(
+        5.0, ge=0, le=50, description="and farther by this for every second since that frame [m/s]: a fast hand"
     )
     min_person: float = Field(
         0.15, ge=0, le=1, description="cells less likely to show a person are no part of the operator [1]; measured"
@@ -62,7 +61,7 @@ class ForestConfig(Section):
         description="the image is decimated to about this focal length [px]: that of the training images, 320x240",
     )
     max_pixels: int = Field(
-        800, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
+        400, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
     )
 
 

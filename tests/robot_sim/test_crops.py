@@ -106,12 +106,14 @@ def test_cutting_air_cuts_nothing(world: World) -> None:
     assert state.cutter_closed and state.fruits == {} and state.moved == {}
 
 
-def test_too_much_grip_bruises() -> None:
-    jaw = AxisLimits(lower=0.0, upper=0.06, speed=0.2, acceleration=2.0, effort=150.0)
-    world = World(RobotConfig(tool=ToolConfig(jaw=jaw)), seed=0)
+@pytest.mark.parametrize(("effort_n", "status"), [(30.0, "held"), (60.0, "held+damaged")])
+def test_too_much_grip_bruises(effort_n: float, status: str) -> None:
+    jaw = AxisLimits(lower=0.0, upper=0.06, speed=0.2, acceleration=2.0, effort=effort_n)
+    # the peduncle bears it, so that it is the grip which is judged
+    world = World(RobotConfig(tool=ToolConfig(jaw=jaw, bruise_n=50.0, peduncle_n=500.0)), seed=0)
     fruit = target_of(world)
     reach_for(world, fruit)
-    assert run(world, 1.0, gripper_open=False).fruits == {fruit.name: "held+damaged"}
+    assert run(world, 1.0, gripper_open=False).fruits == {fruit.name: status}
     world.close()
 
 

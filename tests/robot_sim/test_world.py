@@ -165,12 +165,27 @@ def test_emergency_stop_stops_everything_until_reset(world: World) -> None:
 
 
 @pytest.mark.parametrize("motion", [{"drive_m_s": 0.3}, {"drive_m_s": -0.3}, {"turn_rad_s": 0.8}])
-def test_emergency_stop_brings_the_tracks_to_rest_within_80_ms(world: World, motion: dict[str, float]) -> None:
+def test_emergency_stop_brings_the_tracks_to_rest_within_55_ms(world: World, motion: dict[str, float]) -> None:
     run(world, 1.0, **motion)
     world.estop()
-    state = world.step(RobotCommand(t_ns=0, **motion), 0.08)  # type: ignore[arg-type]
+    state = world.step(RobotCommand(t_ns=0, **motion), 0.055)  # type: ignore[arg-type]
     assert abs(state.drive_m_s) < 0.01
     assert abs(state.turn_rad_s) < 0.01
+
+
+def test_emergency_stop_from_full_speed_with_the_lift_up_hardly_tilts_the_robot(world: World) -> None:
+    ahead = ArmTarget(80, 0, 170)
+    most = world.config.chassis.drive_m_s
+    run(world, 6.0, lift_m=world.config.body.lift.upper, right_arm=ahead, left_arm=ahead)
+    moving = run(world, 1.5, drive_m_s=most, right_arm=ahead, left_arm=ahead)
+    assert moving.drive_m_s == pytest.approx(most, abs=0.02)
+    world.estop()
+    tilts_rad = []
+    for _ in range(60):
+        world.step(RobotCommand(t_ns=0), FRAME_S / 8)
+        R = world._robot.link_pose("lift_link").R
+        tilts_rad.append(math.acos(min(1.0, R[2, 2])))
+    assert math.degrees(max(tilts_rad)) < 0.2
 
 
 def test_a_stop_command_stops_a_moving_lift_and_a_plain_hold_does_not(world: World) -> None:

@@ -76,10 +76,9 @@ def test_every_joint_is_placed_near_the_true_one_and_closer_looks_help(
 
 def test_two_threads_find_what_one_finds(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
     image, _ = person
-    begun = begin(cascade, image, ROUNDS)
     with ThreadPoolExecutor(1) as beside:
-        both = settle(cascade, image, begun, UNKNOWN, ROUNDS, beside)
-    alone = settle(cascade, image, begun, UNKNOWN, ROUNDS)
+        both = settle(cascade, image, begin(cascade, image, ROUNDS, beside), UNKNOWN, ROUNDS, beside)
+    alone = placed(cascade, image)
     assert (both.joints_m == alone.joints_m).all() and (both.cues == alone.cues).all()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teleop.body.layers import Convolution, Stack
+from teleop.body.layers import Convolution, Stack, in_steps, multiply_steps
 
 
 def plain(images: np.ndarray, layer: Convolution) -> np.ndarray:
@@ -25,7 +25,19 @@ def plain(images: np.ndarray, layer: Convolution) -> np.ndarray:
     return np.maximum(out + layer.bias, 0)
 
 
-@pytest.mark.parametrize(("size", "stride", "shape"), [(5, 2, (9, 12, 2)), (3, 2, (8, 7, 4)), (3, 1, (6, 5, 3))])
+@pytest.mark.parametrize(
+    ("size", "stride", "shape"),
+    [
+        (5, 2, (9, 12, 2)),
+        (5, 2, (40, 44, 2)),
+        (3, 2, (8, 7, 4)),
+        (3, 2, (1, 1, 4)),
+        (5, 1, (6, 7, 3)),
+        (3, 1, (6, 5, 3)),
+        (3, 1, (7, 8, 17)),
+        (3, 1, (1, 1, 2)),
+    ],
+)
 def test_convolution_is_the_sum_over_its_window(size: int, stride: int, shape: tuple[int, int, int]) -> None:
     rng = np.random.default_rng(size + stride)
     images = rng.normal(size=(3, *shape)).astype(np.float32)
@@ -55,3 +67,15 @@ def test_a_stack_is_its_layers_one_after_another() -> None:
         wanted = Stack((layer,))(wanted)
     assert (Stack(layers)(images) == wanted).all()
     assert Stack(())(images) is images
+
+
+@pytest.mark.parametrize("rows", [0, 1, 2, 3])
+def test_a_kernel_in_steps_multiplies_as_the_kernel_does(rows: int) -> None:
+    rng = np.random.default_rng(5)
+    kernel = (rng.normal(size=(70, 20)) * np.logspace(-3, 2, 20)).astype(np.float32)
+    kernel[:, 3] = 0.0
+    values = rng.normal(size=(rows, 70)).astype(np.float32)
+    found = multiply_steps(values, *in_steps(kernel))
+    assert found.shape == (rows, 20)
+    most = np.abs(kernel).max(axis=0)
+    assert (np.abs(found - values @ kernel) <= 70 * 2e-5 * most * max(1.0, np.abs(values).max(initial=0.0))).all()

@@ -59,17 +59,13 @@ def test_mask_follows_depth_and_cuts_below_the_floor_line() -> None:
     assert nothing[1] == 0 and not nothing[0].any()
 
 
-def test_what_stands_is_above_the_floor_and_may_be_a_person() -> None:
+def test_what_stands_is_above_the_floor() -> None:
     camera = Camera(kinect_v1(320, 240))
     grid = decimate(DepthFrame(0, np.full((240, 320), 2000, np.uint16), camera), 160)
     assert grid.step == 2 and grid.depth_mm.shape == (120, 160)
     floor = FloorPlane(np.array([0.0, 1.0, 0.0]), 0.5)
-    usable, levelled = standing(grid, 0.5, 5.0, floor, 0.05, None, 0.0)
+    usable, levelled = standing(grid, 0.5, 5.0, floor, 0.05)
     np.testing.assert_allclose(levelled[..., 1], np.broadcast_to(2.0 * grid.up[:, None] + 0.5, (120, 160)), atol=1e-6)
     assert (usable == (levelled[..., 1] > 0.05)).all()
-    person = np.zeros((120, 160), np.float32)
-    person[:, 80:] = 0.5
-    some, _ = standing(grid, 0.5, 5.0, floor, 0.05, person, 0.2)
-    assert (some == usable & (person > 0.2)).all()
-    everything, _ = standing(grid, 0.5, 5.0, None, 0.05, None, 0.0)
+    everything, _ = standing(grid, 0.5, 5.0, None, 0.05)
     assert everything.all()
