@@ -84,7 +84,7 @@ class Watcher(threading.Thread):
         return states[max(0, first - 1) :]
 
 
-def main(count: float = 20.0) -> bool:
+def main(count: float = 40.0) -> bool:
     """Print p50, p95 and the worst over several stops of a driving robot; False when p95 reaches the limit."""
     out = Console()
     if chromium() is None:

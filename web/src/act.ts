@@ -30,8 +30,12 @@ export async function act(action: Promise<unknown>): Promise<boolean> {
   }
 }
 
+/** Told on the window when the emergency stop is asked for. */
+export const EMERGENCY_STOP = "emergencystop";
+
 /** The emergency stop is tried again when it fails; the operator hears of every failure. Whether it was accepted. */
 export async function emergencyStop(): Promise<boolean> {
+  window.dispatchEvent(new Event(EMERGENCY_STOP));
   for (let i = 0; i < ESTOP_TRIES; i++) if (await act(api.estop())) return true;
   return false;
 }

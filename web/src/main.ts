@@ -15,7 +15,7 @@ import "./styles/measures.css";
 import "./styles/sheets.css";
 import "./styles/far.css";
 import "./styles/small.css";
-import { act, emergencyStop, noticeBoard, notify } from "./act";
+import { EMERGENCY_STOP, act, emergencyStop, noticeBoard, notify } from "./act";
 import { api } from "./api";
 import { Connection, type Link } from "./connection";
 import { h } from "./dom";
@@ -190,6 +190,7 @@ themeButton.addEventListener("click", toggleTheme);
 languageButton.addEventListener("click", toggleLanguage);
 soundButton.addEventListener("click", toggleSound);
 helpButton.addEventListener("click", () => help.toggle());
+window.addEventListener(EMERGENCY_STOP, () => scene.giveWay());
 listen(() => void emergencyStop(), {
   "Shift+R": command(() => void act(api.estopReset())),
   "?": () => help.toggle(),

@@ -110,6 +110,10 @@ export class ScenePanel implements Panel {
     this.stage?.painted(paint_ms);
   }
 
+  giveWay(): void {
+    this.stage?.giveWay();
+  }
+
   /** Held until the 3-D code is here. */
   coverage(coverage: Coverage): void {
     this.wet = coverage;

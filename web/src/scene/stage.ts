@@ -38,6 +38,8 @@ const QUICKER = 0.985;
 const POLL_MS = 8;
 /** Drawing by the processor takes its time from tracking and simulation: rest four times as long as a picture takes. */
 const SOFTWARE_REST = 4;
+/** So long no picture is begun after an emergency stop: where the server shares the processor, it brakes meanwhile. */
+const STOP_QUIET_MS = 300;
 const SOFTWARE_PIXEL_RATIO = 0.75;
 const HOME_EYE_M = new Vector3(1.85, -2.0, 1.75);
 const HOME_TARGET_M = new Vector3(0.05, 0, 0.78);
@@ -75,6 +77,7 @@ export class Stage {
   private robot: RobotModel | null = null;
   private scheduled = false;
   private drawn_ms = -Infinity;
+  private quiet_ms = -Infinity;
   private readonly rest: number;
   private readonly software: boolean;
   private period_ms: number;
@@ -207,6 +210,11 @@ export class Stage {
     this.period_ms = Math.min(Math.max(pace_ms, SOFTWARE_PERIOD_MS), SOFTWARE_SLOWEST_MS);
   }
 
+  /** Begin no picture for a moment, where the processor draws it. */
+  giveWay(): void {
+    if (this.software) this.quiet_ms = performance.now() + STOP_QUIET_MS;
+  }
+
   /** Hides the row that stands between the eye and the robot. */
   private cutAway(): void {
     if (!this.scenery) return;
@@ -273,7 +281,7 @@ export class Stage {
       this.scheduled = false;
       return;
     }
-    const due_ms = Math.max(this.drawn_ms + this.period_ms, this.finished_ms + this.rest * this.cost_ms);
+    const due_ms = Math.max(this.drawn_ms + this.period_ms, this.finished_ms + this.rest * this.cost_ms, this.quiet_ms);
     if (now_ms < due_ms) {
       this.later(due_ms - now_ms);
       return;
