@@ -63,7 +63,7 @@ class ChassisConfig(RobotSection):
         ge=0.2,
         le=10.0,
         description="braking on emergency stop [m/s2]; the tracks grip up to 8.8; from full speed with the lift up and "
-        "arms ahead a wheel lifts by less than a millimetre",
+        "arms ahead wheels lift by less than 2 mm",
     )
     estop_rad_s2: float = Field(
         default=20.0, ge=0.2, le=20.0, description="braking of turning on emergency stop [rad/s2]"
@@ -81,6 +81,12 @@ class ChassisConfig(RobotSection):
     heading_gain_1_s: float = Field(
         default=4.0, ge=0.0, le=20.0, description="gyro: turning rate per heading error [1/s]"
     )
+
+    @model_validator(mode="after")
+    def _brake_holds_the_motor(self) -> Self:
+        if self.brake_nm < self.motor_nm:
+            raise ValueError(f"brake_nm ({self.brake_nm}) must be at least motor_nm ({self.motor_nm})")
+        return self
 
 
 class ArmConfig(RobotSection):

@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
@@ -20,13 +21,16 @@ _UNUSED_S: Final = 30 * 24 * 3600.0
 
 
 def kernels_folder() -> Path:
-    """The folder of all states, in the user's cache."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "greenhouse-teleop" / "kernels"
+    """The folder of all states, in the user's cache. Raises RuntimeError where the user has no home."""
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    if not base.is_absolute():
+        raise RuntimeError(f"the user's cache '{base}' is no absolute path")
+    return base / "greenhouse-teleop" / "kernels"
 
 
 def kernels_digest(*folders: str) -> str:
-    """SHA-256 of all Python files below the folders that hold a kernel."""
+    """SHA-256 of all Python files below the folders that hold a kernel. A kernel uses nothing of any other file but
+    modules (tested)."""
     digest = hashlib.sha256()
     for folder in folders:
         root = Path(folder)
@@ -43,26 +47,30 @@ def keep_kernels(*folders: str) -> Path | None:
 
     None, and numba's own choice, where the environment names a folder of somebody's own or the cache cannot be written.
     """
-    home = kernels_folder()
-    chosen = os.environ.get(VARIABLE)
-    if chosen and Path(chosen).parent != home:
-        return None
-    own = home / kernels_digest(*folders)[:16]
     try:
+        home = kernels_folder()
+        chosen = os.environ.get(VARIABLE)
+        if chosen and Path(chosen).parent != home:
+            return None
+        own = home / kernels_digest(*folders)[:16]
         own.mkdir(parents=True, exist_ok=True)
         os.utime(own)
-    except OSError:
+        if not os.access(own, os.W_OK):
+            return None
+        _forget(home, own)
+    except (OSError, RuntimeError):
         return None
     os.environ[VARIABLE] = str(own)
     numba = sys.modules.get("numba")
     if numba is not None:
         numba.config.CACHE_DIR = str(own)
-    _forget(home, own)
     return own
 
 
 def _forget(home: Path, own: Path) -> None:
     oldest = time.time() - _UNUSED_S
     for other in home.iterdir():
-        if other != own and other.stat().st_mtime < oldest:
-            shutil.rmtree(other, ignore_errors=True)
+        # another process may be deleting the same
+        with suppress(FileNotFoundError):
+            if other != own and other.stat().st_mtime < oldest:
+                shutil.rmtree(other, ignore_errors=True)

@@ -61,7 +61,7 @@ def _learn(
             total += min(sure, 1.0)
             summed += min(sure, 1.0) * np.sqrt(square)
         if total > 0.0:
-            kept = min(weight[kind], memory_frames - total)
+            kept = max(0.0, min(weight[kind], memory_frames - total))
             known_m = kept * length_m[kind] if kept > 0.0 else 0.0
             length_m[kind] = (known_m + summed) / (kept + total)
             weight[kind] = kept + total

@@ -6,9 +6,9 @@ The coarse network places every joint from the whole operator, then arms, legs a
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Final, ParamSpec
+from typing import Final, TypeVarTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,7 @@ _BESIDE: Final = (0,), (1, 2)
 Floats = npt.NDArray[np.float64]
 Known = tuple[Floats, Floats]
 """Joints (20, 3) and how far they may be off (20,), in metres."""
-P = ParamSpec("P")
+T = TypeVarTuple("T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +57,11 @@ class Begun:
     ahead: Callable[[], Known] | None
 
 
-def begin(cascade: Cascade, image: Pixels, rounds: int, beside: Executor | None = None) -> Begun:
-    """Start the coarse network and most of the first look, which take as long as the forest does beside them."""
+def begin(cascade: Cascade, image: Pixels, rounds: int, beside: ThreadPoolExecutor | None = None) -> Begun:
+    """Start the coarse network and most of the first look, which take as long as the forest does beside them.
+
+    beside: one thread, first in, first out: the look waits for the network. What a job raises is raised by settle.
+    """
     whole = _later(beside, locate, cascade.coarse, image)
     if not cascade.rounds[:rounds]:
         return Begun(whole, None)
@@ -66,7 +69,12 @@ def begin(cascade: Cascade, image: Pixels, rounds: int, beside: Executor | None 
 
 
 def settle(
-    cascade: Cascade, image: Pixels, begun: Begun, forest_m: Floats, rounds: int, beside: Executor | None = None
+    cascade: Cascade,
+    image: Pixels,
+    begun: Begun,
+    forest_m: Floats,
+    rounds: int,
+    beside: ThreadPoolExecutor | None = None,
 ) -> Placed:
     """From what is under way (begin) on, through at most ``rounds`` looks.
 
@@ -85,12 +93,12 @@ def settle(
     return Placed(joints_m, spread_m, trust_cues(coarse_spread_m, spread_m, moved_m, apart_m))
 
 
-def _later(beside: Executor | None, work: Callable[P, Known], *args: P.args, **kwargs: P.kwargs) -> Callable[[], Known]:
+def _later(beside: ThreadPoolExecutor | None, work: Callable[[*T], Known], *args: *T) -> Callable[[], Known]:
     """The work's result once it is asked for; done at once where there is nobody beside."""
     if beside is None:
-        known = work(*args, **kwargs)
+        known = work(*args)
         return lambda: known
-    return beside.submit(work, *args, **kwargs).result
+    return beside.submit(work, *args).result
 
 
 def _joined(here: Known, there: Known, groups: tuple[int, ...]) -> Known:

@@ -50,7 +50,9 @@ def _rays(camera: Camera, step: int, columns: int, rows: int) -> tuple[F32, F32]
 
 
 @nb.njit(cache=True, nogil=True)
-def _rises(one_mm: np.int64, other_mm: np.int64, across: np.float32, one_up: np.float32, other_up: np.float32) -> bool:
+def _is_steep(
+    one_mm: np.int64, other_mm: np.int64, across: np.float32, one_up: np.float32, other_up: np.float32
+) -> bool:
     """Whether the surface between two cells of a column is steeper than 45 degrees."""
     dz = np.float32(other_mm - one_mm)
     dx, dy = across * dz, other_up * np.float32(other_mm) - one_up * np.float32(one_mm)
@@ -58,9 +60,11 @@ def _rises(one_mm: np.int64, other_mm: np.int64, across: np.float32, one_up: np.
 
 
 @nb.njit(cache=True, nogil=True)
-def _level_cloud(depth_mm: npt.NDArray[np.uint16], across: F32, up: F32, near_mm: int, far_mm: int) -> F32:
+def _cloud(
+    depth_mm: npt.NDArray[np.uint16], across: F32, up: F32, near_mm: int, far_mm: int
+) -> tuple[F32, npt.NDArray[np.bool_]]:
     h, w = depth_mm.shape
-    out = np.empty((h * w, 3), np.float32)
+    points, level = np.empty((h * w, 3), np.float32), np.empty(h * w, np.bool_)
     n = 0
     for r in range(h):
         for c in range(w):
@@ -73,22 +77,22 @@ def _level_cloud(depth_mm: npt.NDArray[np.uint16], across: F32, up: F32, near_mm
                     e = np.int64(depth_mm[other, c])
                     if near_mm < e < far_mm:
                         seen = True
-                        steep |= _rises(d, e, across[c], up[r], up[other])
-            if seen and not steep:
-                z = np.float32(d) * np.float32(1e-3)
-                out[n, 0], out[n, 1], out[n, 2] = across[c] * z, up[r] * z, z
-                n += 1
-    return out[:n]
+                        steep |= _is_steep(d, e, across[c], up[r], up[other])
+            z = np.float32(d) * np.float32(1e-3)
+            points[n, 0], points[n, 1], points[n, 2] = across[c] * z, up[r] * z, z
+            level[n] = seen and not steep
+            n += 1
+    return points[:n], level[:n]
 
 
-def level_cloud(grid: Grid, near_m: float, far_m: float) -> F32:
-    """Points (N, 3) in camera axes of the cells between two depths that may lie on a floor: the surface rises by less
-    than 45 degrees from each of them to the cells LEVEL_ROWS above and below.
+def cloud(grid: Grid, near_m: float, far_m: float) -> tuple[F32, npt.NDArray[np.bool_]]:
+    """Points (N, 3) in camera axes of the cells between two depths, and which of them (N,) may lie on a floor: the
+    surface rises by less than 45 degrees, in camera axes, from them to the cells LEVEL_ROWS above and below.
 
     The foot of a wall lies within a floor's noise; with it the plane tilts by degrees.
     """
-    points: F32 = _level_cloud(grid.depth_mm, grid.across, grid.up, round(near_m * 1000), round(far_m * 1000))
-    return points
+    points, level = _cloud(grid.depth_mm, grid.across, grid.up, round(near_m * 1000), round(far_m * 1000))
+    return points, level
 
 
 @nb.njit(cache=True, nogil=True)

@@ -43,7 +43,7 @@ class Convolution:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stack:
-    """Convolutions one after another. kernels: of the layers, those that _quick names transformed."""
+    """Convolutions one after another. kernels: of the layers, those that _by_winograd names transformed."""
 
     layers: tuple[Convolution, ...]
     kernels: tuple[F32, ...] = field(init=False)
@@ -52,7 +52,7 @@ class Stack:
 
     def __post_init__(self) -> None:
         rows = [(layer.size, layer.stride, int(layer.residual)) for layer in self.layers]
-        kernels = (transformed(x.kernel) if _quick(x.size, x.stride) else x.kernel for x in self.layers)
+        kernels = (transformed(x.kernel) if _by_winograd(x.size, x.stride) else x.kernel for x in self.layers)
         object.__setattr__(self, "kernels", tuple(np.ascontiguousarray(kernel, np.float32) for kernel in kernels))
         object.__setattr__(self, "biases", tuple(np.ascontiguousarray(x.bias, np.float32) for x in self.layers))
         object.__setattr__(self, "shape", np.array(rows, np.int64).reshape(-1, 3))
@@ -70,7 +70,7 @@ class Stack:
 
 
 @nb.njit(cache=True, nogil=True)
-def _quick(size: int, stride: int) -> bool:
+def _by_winograd(size: int, stride: int) -> bool:
     """Whether teleop.body.winograd does it."""
     return size == SIZE and stride == 1
 
@@ -152,7 +152,7 @@ def run_stack(images: F32, kernels: tuple[F32, ...], biases: tuple[F32, ...], sh
     """All layers of a stack; arguments as in Stack."""
     for layer in range(len(shape)):
         size, stride, residual = shape[layer]
-        if _quick(size, stride):
+        if _by_winograd(size, stride):
             images = convolve(images, kernels[layer], biases[layer], residual > 0)
             continue
         values = _convolve(images, kernels[layer], size, stride)

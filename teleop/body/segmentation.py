@@ -11,7 +11,7 @@ import numpy.typing as npt
 from teleop.body.components import Surfaces, adjacency, grow_mask, label_surfaces, measure_surfaces
 from teleop.body.finder import Finder, person_cells
 from teleop.body.floor import find_floor
-from teleop.body.grid import Grid, Window, decimate, level_cloud, standing
+from teleop.body.grid import Grid, Window, cloud, decimate, standing
 from teleop.config.body import FloorConfig, SegmentationConfig
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane
@@ -61,7 +61,7 @@ def look(
     person, seeking = None, None
     if finder is not None and beside is not None:
         seeking = beside.submit(person_cells, finder, grid.depth_mm, window)
-    floor = find_floor(level_cloud(grid, near_m, far_m), previous_floor, floor_config)
+    floor = find_floor(*cloud(grid, near_m, far_m), previous_floor, floor_config)
     usable, levelled = standing(grid, near_m, far_m, floor, config.floor_clearance_m)
     if finder is not None:
         person = person_cells(finder, grid.depth_mm, window) if seeking is None else seeking.result()

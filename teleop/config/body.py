@@ -19,6 +19,12 @@ class FloorConfig(Section):
         0.018, gt=0, le=0.2, description="distance from the plane counted as floor [m] at 2 m; grows with z^2 (noise)"
     )
     min_inliers: int = Field(250, ge=10, le=100000, description="fewest cells of the decimated cloud on a floor")
+    max_error_deg: float = Field(
+        0.35,
+        gt=0,
+        le=10,
+        description="largest standard error of the floor's pitch [deg]; a thin strip of floor does not tell it",
+    )
     trials: int = Field(400, ge=1, le=5000, description="RANSAC trials; 0.3 inliers give a hit with P > 0.98")
     smoothing: float = Field(0.1, gt=0, le=1, description="weight of a new plane in the running mean")
 
@@ -30,7 +36,11 @@ class SegmentationConfig(Section):
     max_depth_m: float = Field(5.0, ge=1, le=12, description="farthest depth used [m]")
     grid_columns: int = Field(160, ge=40, le=640, description="columns of the decimated grid that is labelled")
     window_m: float = Field(
-        0.1, ge=0, le=5, description="people are looked for at least this far round the operator of the last frame [m]"
+        0.35,
+        ge=0,
+        le=5,
+        description="people are looked for at least this far round the operator of the last frame [m]; the finder "
+        "needs what is round a limb to know it",
     )
     window_m_s: float = Field(
         5.0, ge=0, le=50, description="and farther by this for every second since that frame [m/s]: a fast hand"

@@ -1,5 +1,6 @@
 """Compiled kernels are kept by the sources they were made from."""
 
+import ast
 import os
 import subprocess
 import sys
@@ -7,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from robot_sim.kernel_cache import VARIABLE, keep_kernels, kernels_digest, kernels_folder
+from robot_sim.kernel_cache import VARIABLE, _forget, keep_kernels, kernels_digest, kernels_folder
 
 INNER = "import numba\n@numba.njit(cache=True)\ndef inner(x):\n    return x + {}\n"
 OUTER = (
@@ -70,3 +71,57 @@ def test_kernels_that_nobody_uses_any_more_are_deleted(
     own = keep_kernels(str(tmp_path))
     assert own is not None and os.environ[VARIABLE] == str(own)
     assert sorted(p.name for p in home.iterdir()) == sorted(["young", own.name])
+
+
+def test_without_a_home_or_where_it_cannot_be_written_numba_chooses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    (tmp_path / "file").write_text("")
+    for cache in (str(tmp_path / "file"), "not/absolute"):
+        monkeypatch.setenv("XDG_CACHE_HOME", cache)
+        assert keep_kernels(str(tmp_path)) is None
+    monkeypatch.delenv("XDG_CACHE_HOME")
+
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", homeless)
+    assert keep_kernels(str(tmp_path)) is None
+    assert VARIABLE not in os.environ
+
+
+def test_a_folder_that_another_process_deletes_is_no_matter(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = home / "own"
+    own.mkdir(parents=True)
+    monkeypatch.setattr(Path, "iterdir", lambda self: iter([home / "gone", own]))
+    _forget(home, own)
+    assert own.exists()
+
+
+@pytest.mark.parametrize("package", ["robot_sim", "teleop"])
+def test_kernels_use_nothing_of_files_without_kernels(package: str) -> None:
+    root = Path(__file__).parents[2]
+    for path in sorted((root / package).rglob("*.py")):
+        source = path.read_text()
+        if "njit" not in source:
+            continue
+        tree = ast.parse(source)
+        foreign = {
+            alias.asname or alias.name: node.module
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in ("robot_sim", "teleop")
+            for alias in node.names
+        }
+        kernels = [
+            node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef) and any("njit" in ast.unparse(d) for d in node.decorator_list)
+        ]
+        for kernel in kernels:
+            for node in (n for line in kernel.body for n in ast.walk(line)):
+                if isinstance(node, ast.Name) and node.id in foreign:
+                    module = foreign[node.id]
+                    assert module is not None
+                    text = (root / Path(*module.split("."))).with_suffix(".py").read_text()
+                    assert "njit" in text, f"{path.name}: {kernel.name} uses {node.id} of {module}"

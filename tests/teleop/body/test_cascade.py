@@ -82,6 +82,20 @@ def test_two_threads_find_what_one_finds(cascade: Cascade, person: tuple[Pixels,
     assert (both.joints_m == alone.joints_m).all() and (both.cues == alone.cues).all()
 
 
+def test_without_looks_two_threads_give_the_coarse_joints(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
+    image, _ = person
+    with ThreadPoolExecutor(1) as beside:
+        found = settle(cascade, image, begin(cascade, image, 0, beside), UNKNOWN, 0, beside)
+    assert (found.joints_m == placed(cascade, image, 0).joints_m).all()
+
+
+def test_what_fails_beside_is_raised_here(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
+    image, _ = person
+    broken = replace(cascade, coarse=replace(cascade.coarse, head=cascade.coarse.head[:3]))
+    with ThreadPoolExecutor(1) as beside, pytest.raises(ValueError):
+        settle(broken, image, begin(broken, image, ROUNDS, beside), UNKNOWN, ROUNDS, beside)
+
+
 def test_a_mirrored_image_gives_the_mirrored_body(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
     image, truth = person
     turned = image.flat_mm.reshape(image.height, image.width)[:, ::-1]
