@@ -78,9 +78,13 @@ def learn(bones: Bones, joints_m: Floats, spread_m: Floats, config: BonesConfig)
 
 
 @nb.njit(cache=True, nogil=True)
-def _relax(
+def relax(
     joints_m: Floats, variance: Floats, pairs: npt.NDArray[np.int64], length_m: Floats, own: Floats, sweeps: int
 ) -> None:
+    """Move joints (20, 3), in place, until bones agree with their lengths as far as both are known.
+
+    variance: (20,). pairs: (kinds, sides, 2). length_m: (kinds,), NaN unknown; own: (kinds,) their variance.
+    """
     for _ in range(sweeps):
         for kind in range(len(pairs)):
             if np.isnan(length_m[kind]):
@@ -100,11 +104,14 @@ def _relax(
                     joints_m[b, k] -= share * variance[b] * d
 
 
+def known_lengths(bones: Bones, config: BonesConfig) -> Floats:
+    """Lengths (KINDS,) of the bones that were seen often enough, NaN of the others."""
+    return np.where(bones.weight >= config.least_frames, bones.length_m, np.nan)
+
+
 def straighten(joints_m: Floats, spread_m: Floats, bones: Bones, config: BonesConfig) -> Floats:
     """The joints (20, 3), moved to agree with the bones as far as both are known."""
     out = joints_m.copy()
-    known = bones.weight >= config.least_frames
-    length = np.where(known, bones.length_m, np.nan)
     own = config.tolerance_m**2 * (1.0 + config.least_frames / np.maximum(bones.weight, 1.0))
-    _relax(out, spread_m**2, PAIRS, length, own, config.sweeps)
+    relax(out, spread_m**2, PAIRS, known_lengths(bones, config), own, config.sweeps)
     return out

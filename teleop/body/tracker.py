@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.assemble import assemble
-from teleop.body.bones import Bones, learn, straighten, unknown_bones
+from teleop.body.bones import Bones, known_lengths, learn, straighten, unknown_bones
 from teleop.body.cascade import Placed, begin, settle, trust
 from teleop.body.features import operator_pixels, pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
@@ -18,6 +18,7 @@ from teleop.body.grid import Window
 from teleop.body.layers import one_thread_products
 from teleop.body.model import BodyModel
 from teleop.body.person import person_features, person_probability
+from teleop.body.proportions import NOBODYS_M, in_proportion
 from teleop.body.segmentation import Candidate, Scene, candidate, grid_mask, look, rank, window_round
 from teleop.body.unbend import unbend
 from teleop.body.votes import Proposals, propose, vote_weights
@@ -110,7 +111,10 @@ class BodyTracker:
                 continue
             moved_m = np.inf if before is None else float(np.linalg.norm(found.centre_m - before))
             near = moved_m <= self.config.scene_cut_m
-            single = self.estimate(frame, found, state.filter.joints_m if near else None)
+            if near:
+                single = self.estimate(frame, found, state.filter.joints_m, self._arm(state.bones))
+            else:
+                single = self.estimate(frame, found, None)
             if near and float(single.confidence.mean()) >= self.config.person.keep:
                 return found, single, False
             person = person_probability(self.cues(frame, found, single), self.model.person_weights)
@@ -118,8 +122,15 @@ class BodyTracker:
                 best, most = (found, single, True), person
         return best
 
-    def estimate(self, frame: DepthFrame, found: Candidate, previous_m: npt.NDArray[np.float64] | None) -> Single:
-        """Joints of one candidate from this frame alone, helped by the last joints where given."""
+    def estimate(
+        self,
+        frame: DepthFrame,
+        found: Candidate,
+        previous_m: npt.NDArray[np.float64] | None,
+        arm_m: npt.NDArray[np.float64] = NOBODYS_M,
+    ) -> Single:
+        """Joints of one candidate from this frame alone, helped by the last joints and the lengths of the operator's
+        own arm (2,) where given."""
         model, camera, config = self.model, frame.camera, self.config
         cascade, begun, placed = model.cascade, None, None
         if cascade is not None:
@@ -138,7 +149,9 @@ class BodyTracker:
             if config.cascade.enabled:
                 confidence = trust(placed.cues, cascade.trust)
                 sure = confidence >= config.cascade.min_confidence
-                joints = unbend(np.where(sure[:, None], placed.joints_m, np.nan), placed.spread_m, config.elbow)
+                joints = np.where(sure[:, None], placed.joints_m, np.nan)
+                joints = in_proportion(joints, placed.spread_m, model.bones_m, arm_m, config.proportions)
+                joints = unbend(joints, placed.spread_m, config.elbow)
         return Single(joints, confidence, parts, forest_m, proposals, placed)
 
     def cues(self, frame: DepthFrame, found: Candidate, single: Single) -> npt.NDArray[np.float64]:
@@ -191,6 +204,10 @@ class BodyTracker:
         spread_m = single.placed.spread_m
         bones = learn(bones, single.joints_m, spread_m, config)
         return replace(single, joints_m=straighten(single.joints_m, spread_m, bones, config)), bones
+
+    def _arm(self, bones: Bones) -> npt.NDArray[np.float64]:
+        """What is known of the lengths of the operator's upper arm and forearm (2,)."""
+        return known_lengths(bones, self.config.bones)[: len(NOBODYS_M)]
 
     def _smooth(
         self, t_ns: int, single: Single, dt_s: float | None, state: FilterState

@@ -121,6 +121,19 @@ class CascadeConfig(Section):
     )
 
 
+class ProportionsConfig(Section):
+    """Arms as long as the rest of the body says, see teleop.body.proportions."""
+
+    enabled: bool = Field(True, description="false leaves arms out of proportion as they are found")
+    off: float = Field(
+        0.08, ge=0, le=1, description="an arm is put right when a bone is longer or shorter by more than this share [1]"
+    )
+    tolerance: float = Field(
+        0.06, gt=0, le=1, description="share by which people's bones differ from the mean at equal size [1]; measured"
+    )
+    sure_m: float = Field(0.04, gt=0, le=1, description="joints found this surely tell the body's size [m]")
+
+
 class ElbowConfig(Section):
     """What is taken back of the elbow's mean error, see teleop.body.unbend."""
 
@@ -129,14 +142,14 @@ class ElbowConfig(Section):
         4.0,
         ge=0,
         le=20,
-        description="variances taken from a straight arm's squared bend [1]; 2 by theory, fitted to 30 "
+        description="variances taken from a straight arm's squared bend [1]; 2 by theory, fitted to 140 "
         "people, whose errors are larger than the networks say",
     )
     straight_deg: float = Field(
         8.0, gt=0, le=90, description="an arm bent by more is hardly straight any more [deg]; fitted"
     )
     caution: float = Field(
-        10.0, ge=0, le=200, description="growth of a bend beyond the middle, times its variance [1/rad2]; fitted"
+        6.0, ge=0, le=200, description="growth of a bend beyond the middle, times its variance [1/rad2]; fitted"
     )
     middle_deg: float = Field(
         40.0, ge=0, le=180, description="bend that hard to see forearms are drawn to [deg]; fitted"
@@ -179,7 +192,7 @@ class FilterConfig(Section):
 
     enabled: bool = Field(True, description="false gives single-frame results")
     min_cutoff_hz: float = Field(1.0, gt=0, le=60, description="One-Euro cutoff at rest [Hz]; measured")
-    beta: float = Field(18.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
+    beta: float = Field(30.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
     derivative_cutoff_hz: float = Field(4.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
     max_speed_m_s: float = Field(
         6.0, gt=0, le=50, description="faster joints are taken for errors [m/s]; a fast hand reaches 4 to 5 m/s"
@@ -199,6 +212,7 @@ class BodyConfig(Section):
     proposals: ProposalConfig = Field(default_factory=ProposalConfig)
     skeleton: SkeletonConfig = Field(default_factory=SkeletonConfig)
     cascade: CascadeConfig = Field(default_factory=CascadeConfig)
+    proportions: ProportionsConfig = Field(default_factory=ProportionsConfig)
     elbow: ElbowConfig = Field(default_factory=ElbowConfig)
     person: PersonConfig = Field(default_factory=PersonConfig)
     bones: BonesConfig = Field(default_factory=BonesConfig)

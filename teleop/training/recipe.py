@@ -68,7 +68,7 @@ class Recipe:
     coarse: CoarseSpec = field(default_factory=CoarseSpec)
     rounds: tuple[tuple[LimbSpec, LimbSpec, LimbSpec], ...] = (
         (LimbSpec(), LimbSpec(steps=7_000), LimbSpec(steps=6_000)),
-        (LimbSpec(steps=40_000), LimbSpec(steps=16_000), LimbSpec(steps=14_000)),
+        (LimbSpec(steps=100_000, direction=1.5), LimbSpec(steps=16_000), LimbSpec(steps=14_000)),
     )
 
     @property
