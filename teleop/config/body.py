@@ -192,8 +192,8 @@ class FilterConfig(Section):
 
     enabled: bool = Field(True, description="false gives single-frame results")
     min_cutoff_hz: float = Field(1.0, gt=0, le=60, description="One-Euro cutoff at rest [Hz]; measured")
-    beta: float = Field(30.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
-    derivative_cutoff_hz: float = Field(4.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
+    beta: float = Field(50.0, ge=0, le=100, description="One-Euro growth of the cutoff with speed [Hz per m/s]")
+    derivative_cutoff_hz: float = Field(1.0, gt=0, le=60, description="One-Euro cutoff of the speed [Hz]")
     max_speed_m_s: float = Field(
         6.0, gt=0, le=50, description="faster joints are taken for errors [m/s]; a fast hand reaches 4 to 5 m/s"
     )
