@@ -100,7 +100,8 @@ class BodyTracker:
     def _pick(self, frame: DepthFrame, scene: Scene, state: TrackerState) -> tuple[Candidate, Single, bool] | None:
         """The operator among the scene's surfaces, and whether it is a new one. None: nobody.
 
-        The one who was there is kept as long as joints are found; else the likeliest person of all is taken.
+        The one who was there is kept as long as joints are found; else the first who is certainly a person is taken, else
+        the likeliest of all.
         """
         best: tuple[Candidate, Single, bool] | None = None
         most = self.config.person.acquire
@@ -118,6 +119,8 @@ class BodyTracker:
             if near and float(single.confidence.mean()) >= self.config.person.keep:
                 return found, single, False
             person = person_probability(self.cues(frame, found, single), self.model.person_weights)
+            if person >= self.config.person.certain:
+                return found, single, True
             if person >= most:
                 best, most = (found, single, True), person
         return best

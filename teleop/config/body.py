@@ -169,6 +169,9 @@ class PersonConfig(Section):
         0.3, ge=0, le=1, description="a surface whose cells are less likely to show a person on average is none [1]"
     )
     acquire: float = Field(0.25, ge=0, le=1, description="probability from which a surface is taken as an operator [1]")
+    certain: float = Field(
+        0.9, ge=0, le=1, description="probability from which the nearest is taken though another is likelier [1]"
+    )
     keep: float = Field(
         0.2, ge=0, le=1, description="mean confidence of the joints below which the tracked operator is given up [1]"
     )

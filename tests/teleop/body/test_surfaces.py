@@ -4,6 +4,8 @@ import numpy as np
 
 from teleop.body.components import adjacency, grow_mask, label_surfaces, measure_surfaces
 from teleop.body.grid import decimate, standing
+from teleop.body.segmentation import window_round
+from teleop.config.body import SegmentationConfig
 from teleop.frames import Camera, DepthFrame, kinect_v1
 from teleop.skeleton import FloorPlane
 
@@ -69,3 +71,21 @@ def test_what_stands_is_above_the_floor() -> None:
     assert (usable == (levelled[..., 1] > 0.05)).all()
     everything, _ = standing(grid, 0.5, 5.0, None, 0.05)
     assert everything.all()
+
+
+def test_people_are_looked_for_where_the_operator_can_have_come() -> None:
+    camera, config = Camera(kinect_v1(640, 480)), SegmentationConfig()
+    cells = np.zeros((120, 160), bool)
+    cells[50:60, 70:80] = True
+
+    def window(depth_m: float, dt_s: float) -> np.ndarray:
+        found = window_round(cells, depth_m, dt_s, camera, config)
+        assert found is not None
+        return np.array(found)
+
+    outward = np.array([-1, -1, 1, 1])
+    inner, later, nearer = window(3.0, 0.033), window(3.0, 0.1), window(1.5, 0.033)
+    assert (outward * (inner - [50, 70, 60, 80]) >= 0.35 * camera.depth.fx / 4 / 3.0).all()
+    assert (outward * (later - inner) > 0).all() and (outward * (nearer - inner) > 0).all()
+    assert (window(0.5, 5.0) == [0, 0, 120, 160]).all()
+    assert window_round(np.zeros((120, 160), bool), 2.0, 0.033, camera, config) is None
