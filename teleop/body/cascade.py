@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final, TypeVar, TypeVarTuple
 
+import numba as nb
 import numpy as np
 import numpy.typing as npt
 
@@ -33,7 +34,7 @@ R = TypeVar("R")
 @dataclass(frozen=True, slots=True, eq=False)
 class Cascade:
     """coarse: the network of the whole operator. rounds: looks at the limbs. trust: (N_CUES + 1,) weights of a
-    logistic regression, see trust_cues."""
+    logistic regression, see _cues."""
 
     coarse: CoarseNet
     rounds: tuple[Round, ...]
@@ -43,7 +44,7 @@ class Cascade:
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
     """joints_m: (20, 3), none unknown. spread_m: (20,). cues: (20, N_CUES) of how well each is known, see
-    trust_cues."""
+    _cues."""
 
     joints_m: Floats
     spread_m: Floats
@@ -124,10 +125,8 @@ def settle(
     for nets in looks:
         there = _later(beside, place, nets, image, joints_m, _BESIDE[0])
         joints_m, spread_m = _joined(place(nets, image, joints_m, _BESIDE[1]), there(), _BESIDE[0])
-    coarse_m, coarse_spread_m = whole.joints_m, whole.spread_m
-    moved_m = np.linalg.norm(joints_m - coarse_m, axis=1)
-    apart_m = np.linalg.norm(forest_m - joints_m, axis=1)
-    return Placed(joints_m, spread_m, trust_cues(coarse_spread_m, spread_m, moved_m, apart_m))
+    cues = _cues(whole.joints_m, whole.spread_m, joints_m, spread_m, forest_m)
+    return Placed(joints_m, spread_m, cues)
 
 
 def _later(beside: ThreadPoolExecutor | None, work: Callable[[*T], R], *args: *T) -> Callable[[], R]:
@@ -146,12 +145,21 @@ def _joined(here: Known, there: Known, groups: tuple[int, ...]) -> Known:
     return here
 
 
-def trust_cues(coarse_spread_m: Floats, spread_m: Floats, moved_m: Floats, apart_m: Floats) -> Floats:
+@nb.njit(cache=True, nogil=True)
+def _cues(coarse_m: Floats, coarse_spread_m: Floats, joints_m: Floats, spread_m: Floats, forest_m: Floats) -> Floats:
     """What tells how well a joint is known (20, N_CUES): logarithms of the coarse and the last spread, of how far the
     looks moved the joint and it is from the forest's (0.3 m where the forest knows nothing), and two squares."""
-    apart = np.log(0.02 + np.minimum(np.nan_to_num(apart_m, nan=0.3), 0.5))
-    coarse, fine = np.log(coarse_spread_m / 0.05), np.log(spread_m / 0.02)
-    return np.stack([coarse, fine, np.log(0.01 + moved_m), apart, coarse**2, fine**2], axis=1)
+    out = np.empty((len(joints_m), N_CUES))
+    for j in range(len(joints_m)):
+        moved, apart = 0.0, 0.0
+        for k in range(3):
+            moved += (joints_m[j, k] - coarse_m[j, k]) ** 2
+            apart += (joints_m[j, k] - forest_m[j, k]) ** 2
+        apart_m = 0.3 if np.isnan(apart) else min(np.sqrt(apart), 0.5)
+        coarse, fine = np.log(coarse_spread_m[j] / 0.05), np.log(spread_m[j] / 0.02)
+        out[j, 0], out[j, 1], out[j, 2] = coarse, fine, np.log(0.01 + np.sqrt(moved))
+        out[j, 3], out[j, 4], out[j, 5] = np.log(0.02 + apart_m), coarse**2, fine**2
+    return out
 
 
 def trust(cues: Floats, weights: Floats) -> Floats:

@@ -110,8 +110,10 @@ def measure_surfaces(
     cells = np.zeros((0, 0), np.float32) if person is None else person
     m = _measure(labels, points_m, depth_mm, cells, count)
     n = m[:, :1]
+    # copies: kernels are compiled for each layout in memory they meet
+    low_m, high_m = m[:, 3:6].copy(), m[:, 6:9].copy()
     return Surfaces(
-        m[:, 1] * cell_per_focal**2, m[:, 3:6], m[:, 6:9], m[:, 9:] / n, m[:, 0].astype(np.int64), m[:, 2] / m[:, 0]
+        m[:, 1] * cell_per_focal**2, low_m, high_m, m[:, 9:] / n, m[:, 0].astype(np.int64), m[:, 2] / m[:, 0]
     )
 
 

@@ -27,7 +27,6 @@ def _bones(*names: str) -> npt.NDArray[np.int64]:
     return np.array([ends[(a, b)] for a, b in pairs])
 
 
-_ENDS: Final = np.array(BONES)
 _FRAME: Final = _bones(
     "shoulder_center spine",
     "spine hip_center",
@@ -35,6 +34,7 @@ _FRAME: Final = _bones(
     *(f"knee_{side} ankle_{side}" for side in ("right", "left")),
 )
 """Bones that tell the size of a body, nearly always seen well."""
+_FRAME_ENDS: Final = np.array(BONES)[_FRAME]
 _ARM: Final = _bones("shoulder_right elbow_right", "elbow_right wrist_right")
 _PAIRS: Final = np.ascontiguousarray(PAIRS[: len(_ARM)])
 _SWEEPS: Final = 8
@@ -59,15 +59,26 @@ def _correct(
             relax(joints_m, variance, np.ascontiguousarray(pairs[:, side : side + 1]), length_m, own, _SWEEPS)
 
 
+@nb.njit(cache=True, nogil=True)
+def _size(
+    joints_m: Floats, spread_m: Floats, ends: npt.NDArray[np.int64], bones_m: Floats, sure_m: float
+) -> tuple[float, int]:
+    """Length of the surely found bones over their mean, and their number."""
+    found_m, mean_m, count = 0.0, 0.0, 0
+    for bone in range(len(ends)):
+        a, b = ends[bone]
+        square = 0.0
+        for k in range(3):
+            square += (joints_m[a, k] - joints_m[b, k]) ** 2
+        if max(spread_m[a], spread_m[b]) <= sure_m and not np.isnan(square):
+            found_m, mean_m, count = found_m + np.sqrt(square), mean_m + bones_m[bone], count + 1
+    return found_m / max(mean_m, 1e-9), count
+
+
 def size_of(joints_m: Floats, spread_m: Floats, bones_m: Floats, sure_m: float) -> float | None:
     """How large the body is, 1 the mean of training's people; None where too little of it is found surely."""
-    a, b = _ENDS[_FRAME].T
-    length_m = np.linalg.norm(joints_m[a] - joints_m[b], axis=1)
-    sure = np.maximum(spread_m[a], spread_m[b]) <= sure_m
-    sure &= ~np.isnan(length_m)
-    if 2 * sure.sum() < len(_FRAME):
-        return None
-    return float(length_m[sure].sum() / bones_m[_FRAME][sure].sum())
+    size, count = _size(joints_m, spread_m, _FRAME_ENDS, bones_m[_FRAME], sure_m)
+    return float(size) if 2 * count >= len(_FRAME) else None
 
 
 def in_proportion(

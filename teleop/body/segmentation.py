@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
+import numba as nb
 import numpy as np
 import numpy.typing as npt
 
@@ -105,6 +106,19 @@ def plausible(surfaces: Surfaces, config: SegmentationConfig) -> npt.NDArray[np.
     )
 
 
+@nb.njit(cache=True, nogil=True)
+def _overlap(labels: npt.NDArray[np.int32], cells: npt.NDArray[np.bool_], count: int) -> npt.NDArray[np.float64]:
+    """Share (C,) of the cells (h, w) that each label covers."""
+    out, total = np.zeros(count), 0
+    for r in range(labels.shape[0]):
+        for c in range(labels.shape[1]):
+            if cells[r, c]:
+                total += 1
+                if labels[r, c] >= 0:
+                    out[labels[r, c]] += 1.0
+    return out / max(1, total)
+
+
 def rank(scene: Scene, previous: npt.NDArray[np.bool_] | None, config: SegmentationConfig) -> list[int]:
     """Labels that may be the operator, likeliest first.
 
@@ -115,14 +129,38 @@ def rank(scene: Scene, previous: npt.NDArray[np.bool_] | None, config: Segmentat
     fits = plausible(s, config)
     if not fits.any():
         return []
-    overlap = np.zeros(len(s.cells))
-    if previous is not None:
-        labels = scene.labels[previous]
-        overlap = np.bincount(labels[labels >= 0], minlength=len(s.cells)) / max(1, int(previous.sum()))
+    overlap = 0.0 if previous is None else _overlap(scene.labels, previous, len(s.cells))
     distance = np.hypot(s.centre_m[:, 0], s.centre_m[:, 2])
     score = np.where(fits, 10.0 * overlap - distance - 0.5 * np.abs(s.centre_m[:, 0]), -np.inf)
     order = np.argsort(-score, kind="stable")[: config.candidates]
     return [int(k) for k in order if np.isfinite(score[k])]
+
+
+@nb.njit(cache=True, nogil=True)
+def _bound_to(
+    main: int,
+    touching: npt.NDArray[np.int32],
+    cells: npt.NDArray[np.int64],
+    area_m2: npt.NDArray[np.float64],
+    centre_m: npt.NDArray[np.float64],
+    low_m: npt.NDArray[np.float64],
+    high_m: npt.NDArray[np.float64],
+    largest_m: tuple[float, float, float],
+) -> npt.NDArray[np.bool_]:
+    chosen = np.zeros(len(cells), np.bool_)
+    for k in range(len(cells)):
+        if touching[k] <= 0 or touching[k] < 0.05 * cells[k]:
+            continue
+        nearer = centre_m[main, 2] - centre_m[k, 2]
+        small = area_m2[k] < 0.5 * area_m2[main] and cells[k] >= 3
+        aligned = abs(centre_m[k, 0] - centre_m[main, 0]) < 0.3 and abs(nearer) < 0.3
+        fits = -0.3 < nearer < 0.9
+        for axis in range(3):
+            size_m = max(high_m[main, axis], high_m[k, axis]) - min(low_m[main, axis], low_m[k, axis])
+            fits &= size_m <= largest_m[axis]
+        chosen[k] = fits and (small or aligned)
+    chosen[main] = True
+    return chosen
 
 
 def limbs_of(scene: Scene, main: int, config: SegmentationConfig) -> npt.NDArray[np.bool_]:
@@ -133,14 +171,8 @@ def limbs_of(scene: Scene, main: int, config: SegmentationConfig) -> npt.NDArray
     """
     s = scene.surfaces
     touching = adjacency(scene.labels, main, len(s.cells), 4)
-    nearer = s.centre_m[main, 2] - s.centre_m[:, 2]
-    small = (s.area_m2 < 0.5 * s.area_m2[main]) & (s.cells >= 3)
-    aligned = (np.abs(s.centre_m[:, 0] - s.centre_m[main, 0]) < 0.3) & (np.abs(nearer) < 0.3)
-    bound = (touching > 0) & (touching >= 0.05 * s.cells)
-    size = np.maximum(s.high_m[main], s.high_m) - np.minimum(s.low_m[main], s.low_m)
-    limits = np.array([config.max_width_m, config.max_height_m, config.max_thickness_m])
-    chosen = bound & (small | aligned) & (size <= limits).all(axis=1) & (nearer > -0.3) & (nearer < 0.9)
-    chosen[main] = True
+    largest_m = (config.max_width_m, config.max_height_m, config.max_thickness_m)
+    chosen = _bound_to(main, touching, s.cells, s.area_m2, s.centre_m, s.low_m, s.high_m, largest_m)
     return np.asarray(chosen)
 
 
