@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Final, TypeVar, TypeVarTuple
+from typing import Final, TypeVarTuple
 
 import numba as nb
 import numpy as np
@@ -28,7 +28,6 @@ Floats = npt.NDArray[np.float64]
 Known = tuple[Floats, Floats]
 """Joints (20, 3) and how far they may be off (20,), in metres."""
 T = TypeVarTuple("T")
-R = TypeVar("R")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,53 +51,22 @@ class Placed:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Whole:
-    """What the coarse network found: joints_m (20, 3), spread_m (20,). expected_m: (20, 3) the joints as the last
-    frames let expect them, where it agrees with all of them; else None."""
-
-    joints_m: Floats
-    spread_m: Floats
-    expected_m: Floats | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Begun:
-    """What is under way: the coarse network and a part of the first look, None where there is none."""
+    """What is under way: all joints (20, 3) and spreads (20,) of the coarse network, and a part of the first look."""
 
-    whole: Callable[[], Whole]
-    ahead: Callable[[], Known | None]
+    whole: Callable[[], Known]
+    ahead: Callable[[], Known] | None
 
 
-def begin(
-    cascade: Cascade,
-    image: Pixels,
-    rounds: int,
-    expected_m: Floats | None = None,
-    agree_m: float = 0.0,
-    beside: ThreadPoolExecutor | None = None,
-) -> Begun:
+def begin(cascade: Cascade, image: Pixels, rounds: int, beside: ThreadPoolExecutor | None = None) -> Begun:
     """Start the coarse network and most of the first look, which take as long as the forest does beside them.
 
-    expected_m: (20, 3) joints by the last frames, None without; where none of the coarse network's is agree_m or more
-    away, they take the place of the first look's. beside: one thread, first in, first out: the look waits for the
-    network. What a job raises is raised by settle.
+    beside: one thread, first in, first out: the look waits for the network. What a job raises is raised by settle.
     """
-    whole = _later(beside, _whole, cascade, image, expected_m if len(cascade.rounds[:rounds]) > 1 else None, agree_m)
-
-    def look() -> Known | None:
-        seen = whole()
-        if seen.expected_m is not None or not cascade.rounds[:rounds]:
-            return None
-        return place(cascade.rounds[0], image, seen.joints_m, _AHEAD[0])
-
-    return Begun(whole, _later(beside, look))
-
-
-def _whole(cascade: Cascade, image: Pixels, expected_m: Floats | None, agree_m: float) -> Whole:
-    joints_m, spread_m = locate(cascade.coarse, image)
-    if expected_m is not None and not (np.linalg.norm(expected_m - joints_m, axis=1) < agree_m).all():
-        expected_m = None
-    return Whole(joints_m, spread_m, expected_m)
+    whole = _later(beside, locate, cascade.coarse, image)
+    if not cascade.rounds[:rounds]:
+        return Begun(whole, None)
+    return Begun(whole, _later(beside, lambda: place(cascade.rounds[0], image, whole()[0], _AHEAD[0])))
 
 
 def settle(
@@ -114,22 +82,18 @@ def settle(
     forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer. beside: where some limbs are
     looked at while the others are looked at here.
     """
-    whole = begun.whole()
-    joints_m, spread_m, looks = whole.joints_m, whole.spread_m, cascade.rounds[:rounds]
-    if whole.expected_m is not None:
-        joints_m, looks = whole.expected_m, looks[1:]
-    elif looks:
-        here, ahead = place(looks[0], image, joints_m, _AHEAD[1]), begun.ahead()
-        assert ahead is not None
-        (joints_m, spread_m), looks = _joined(here, ahead, _AHEAD[0]), looks[1:]
-    for nets in looks:
-        there = _later(beside, place, nets, image, joints_m, _BESIDE[0])
-        joints_m, spread_m = _joined(place(nets, image, joints_m, _BESIDE[1]), there(), _BESIDE[0])
-    cues = _cues(whole.joints_m, whole.spread_m, joints_m, spread_m, forest_m)
+    joints_m, spread_m = coarse_m, coarse_spread_m = begun.whole()
+    ahead = begun.ahead
+    for nets in cascade.rounds[:rounds]:
+        there, here = _BESIDE if ahead is None else _AHEAD
+        theirs = ahead or _later(beside, place, nets, image, joints_m, there)
+        joints_m, spread_m = _joined(place(nets, image, joints_m, here), theirs(), there)
+        ahead = None
+    cues = _cues(coarse_m, coarse_spread_m, joints_m, spread_m, forest_m)
     return Placed(joints_m, spread_m, cues)
 
 
-def _later(beside: ThreadPoolExecutor | None, work: Callable[[*T], R], *args: *T) -> Callable[[], R]:
+def _later(beside: ThreadPoolExecutor | None, work: Callable[[*T], Known], *args: *T) -> Callable[[], Known]:
     """The work's result once it is asked for; done at once where there is nobody beside."""
     if beside is None:
         known = work(*args)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +11,6 @@ import numpy.typing as npt
 from teleop.body.assemble import assemble
 from teleop.body.bones import Bones, known_lengths, learn, straighten, unknown_bones
 from teleop.body.cascade import Placed, begin, settle, trust
-from teleop.body.expected import Course, expect, follow
 from teleop.body.features import operator_pixels, pad_image, working_step
 from teleop.body.filter import FilterState, empty_state, filter_step
 from teleop.body.forest import infer, stride_for
@@ -42,7 +40,6 @@ class TrackerState:
     cells: npt.NDArray[np.bool_] | None
     centre_m: npt.NDArray[np.float64] | None
     bones: Bones
-    course: Course | None
     filter: FilterState
 
 
@@ -56,19 +53,6 @@ class Single:
     forest_m: npt.NDArray[np.float64]
     proposals: Proposals
     placed: Placed | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Before:
-    """What is known of an operator before a frame is looked at. joints_m: (20, 3) those shown last, NaN unknown.
-    expected_m: (20, 3) where they should be now. arm_m: (2,) lengths of their upper arm and forearm, NaN unknown."""
-
-    joints_m: npt.NDArray[np.float64] | None
-    expected_m: npt.NDArray[np.float64] | None
-    arm_m: npt.NDArray[np.float64]
-
-
-NOTHING: Final = Before(None, None, NOBODYS_M)
 
 
 class BodyTracker:
@@ -87,7 +71,7 @@ class BodyTracker:
 
     def initial_state(self) -> TrackerState:
         """The state before the first frame."""
-        return TrackerState(None, None, None, None, None, unknown_bones(), None, empty_state())
+        return TrackerState(None, None, None, None, None, unknown_bones(), empty_state())
 
     def step(self, frame: DepthFrame, state: TrackerState) -> tuple[Track, TrackerState]:
         """Track one frame. Equal frames and states give equal results, bit for bit."""
@@ -96,28 +80,24 @@ class BodyTracker:
         window = self._window(frame, state, dt_s)
         scene = self._look(frame, state.floor, window)
         state = replace(state, t_ns=frame.t_ns, camera=frame.camera, floor=scene.floor)
-        picked = self._pick(frame, scene, state, dt_s)
+        picked = self._pick(frame, scene, state)
         if picked is None and window is not None:
             scene = self._look(frame, state.floor, None)
-            picked = self._pick(frame, scene, state, dt_s)
+            picked = self._pick(frame, scene, state)
         if picked is None:
-            lost = replace(self.initial_state(), t_ns=state.t_ns, camera=state.camera, floor=state.floor)
+            lost = replace(state, cells=None, centre_m=None, bones=unknown_bones(), filter=empty_state())
             return Track(frame.t_ns, None, None, scene.floor, None, None, reset), lost
         found, single, fresh = picked
         if fresh:
-            state = replace(state, bones=unknown_bones(), course=None, filter=empty_state())
+            state = replace(state, bones=unknown_bones(), filter=empty_state())
         single, bones = self._constant(single, state.bones)
         skeleton, filter_state = self._smooth(frame.t_ns, single, dt_s, state.filter)
         cut = fresh and state.centre_m is not None and self.config.filter.enabled
         track = Track(frame.t_ns, skeleton, single.parts, scene.floor, found.mask, found.box, reset or cut)
         cells = grid_mask(found, scene.grid.step)
-        course = None if single.placed is None or dt_s is None else follow(state.course, single.placed.joints_m, dt_s)
-        state = replace(state, cells=cells, centre_m=found.centre_m, bones=bones, course=course, filter=filter_state)
-        return track, state
+        return track, replace(state, cells=cells, centre_m=found.centre_m, bones=bones, filter=filter_state)
 
-    def _pick(
-        self, frame: DepthFrame, scene: Scene, state: TrackerState, dt_s: float | None
-    ) -> tuple[Candidate, Single, bool] | None:
+    def _pick(self, frame: DepthFrame, scene: Scene, state: TrackerState) -> tuple[Candidate, Single, bool] | None:
         """The operator among the scene's surfaces, and whether it is a new one. None: nobody.
 
         The one who was there is kept as long as joints are found; else the first who is certainly a person is taken,
@@ -132,7 +112,10 @@ class BodyTracker:
                 continue
             moved_m = np.inf if before is None else float(np.linalg.norm(found.centre_m - before))
             near = moved_m <= self.config.scene_cut_m
-            single = self.estimate(frame, found, self._known(state, dt_s) if near else NOTHING)
+            if near:
+                single = self.estimate(frame, found, state.filter.joints_m, self._arm(state.bones))
+            else:
+                single = self.estimate(frame, found, None)
             if near and float(single.confidence.mean()) >= self.config.person.keep:
                 return found, single, False
             person = person_probability(self.cues(frame, found, single), self.model.person_weights)
@@ -142,21 +125,27 @@ class BodyTracker:
                 best, most = (found, single, True), person
         return best
 
-    def estimate(self, frame: DepthFrame, found: Candidate, before: Before = NOTHING) -> Single:
-        """Joints of one candidate from this frame alone, helped by what was known before."""
+    def estimate(
+        self,
+        frame: DepthFrame,
+        found: Candidate,
+        previous_m: npt.NDArray[np.float64] | None,
+        arm_m: npt.NDArray[np.float64] = NOBODYS_M,
+    ) -> Single:
+        """Joints of one candidate from this frame alone, helped by the last joints and the lengths of the operator's
+        own arm (2,) where given."""
         model, camera, config = self.model, frame.camera, self.config
         cascade, begun, placed = model.cascade, None, None
         if cascade is not None:
             # the networks begin on the second core while the forest runs on this one
             whole = operator_pixels(frame.depth_mm, found.mask, found.box, camera)
-            agree_m = config.cascade.agree_m
-            begun = begin(cascade, whole, config.cascade.rounds, before.expected_m, agree_m, self._second)
+            begun = begin(cascade, whole, config.cascade.rounds, self._second)
         step = working_step(camera, config.forest.working_focal_px)
         image = pad_image(frame.depth_mm, found.mask, found.box, camera, self._max_offset_m, step)
         stride = stride_for(found.area_px // step**2, config.forest.max_pixels)
         parts, leaves = infer(model, image, stride, step, camera.mirrored)
         proposals = propose(model, parts.points_m, leaves, stride, image.fx, self._weight_of, config.proposals)
-        forest_m, confidence = assemble(proposals, model.bones_m, before.joints_m, config.skeleton)
+        forest_m, confidence = assemble(proposals, model.bones_m, previous_m, config.skeleton)
         joints = forest_m
         if cascade is not None and begun is not None:
             placed = settle(cascade, whole, begun, forest_m, config.cascade.rounds, self._second)
@@ -164,7 +153,7 @@ class BodyTracker:
                 confidence = trust(placed.cues, cascade.trust)
                 sure = confidence >= config.cascade.min_confidence
                 joints = np.where(sure[:, None], placed.joints_m, np.nan)
-                joints = in_proportion(joints, placed.spread_m, model.bones_m, before.arm_m, config.proportions)
+                joints = in_proportion(joints, placed.spread_m, model.bones_m, arm_m, config.proportions)
                 joints = unbend(joints, placed.spread_m, config.elbow)
         return Single(joints, confidence, parts, forest_m, proposals, placed)
 
@@ -219,11 +208,9 @@ class BodyTracker:
         bones = learn(bones, single.joints_m, spread_m, config)
         return replace(single, joints_m=straighten(single.joints_m, spread_m, bones, config)), bones
 
-    def _known(self, state: TrackerState, dt_s: float | None) -> Before:
-        """What the state tells of the operator in the next frame."""
-        expected_m = None if dt_s is None else expect(state.course, dt_s)
-        arm_m = known_lengths(state.bones, self.config.bones)[: len(NOBODYS_M)]
-        return Before(state.filter.joints_m, expected_m, arm_m)
+    def _arm(self, bones: Bones) -> npt.NDArray[np.float64]:
+        """What is known of the lengths of the operator's upper arm and forearm (2,)."""
+        return known_lengths(bones, self.config.bones)[: len(NOBODYS_M)]
 
     def _smooth(
         self, t_ns: int, single: Single, dt_s: float | None, state: FilterState

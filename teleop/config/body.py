@@ -71,7 +71,7 @@ class ForestConfig(Section):
         description="the image is decimated to about this focal length [px]: that of the training images, 320x240",
     )
     max_pixels: int = Field(
-        400, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
+        300, ge=200, le=400000, description="pixels evaluated at most; the stride follows from it and the person"
     )
 
 
@@ -116,13 +116,6 @@ class CascadeConfig(Section):
     finder: bool = Field(True, description="false parts people from things by depth steps alone")
     enabled: bool = Field(True, description="false takes the forest's joints as they are")
     rounds: int = Field(2, ge=0, le=4, description="looks at arms, legs and trunk after the coarse network, at most")
-    agree_m: float = Field(
-        0.12,
-        ge=0,
-        le=1,
-        description="the first look is left out where the coarse network finds every joint nearer than this to where "
-        "the last frames let expect it [m]; 0 never",
-    )
     min_confidence: float = Field(
         0.3, ge=0, le=1, description="a joint less likely than this to be within 10 cm is unknown [1]"
     )

@@ -137,7 +137,7 @@ def fit_person(model: BodyModel, chunks: Iterable[Frames], config: BodyConfig) -
                         continue
                     share = float(people[found.mask].mean())
                     if share > 0.5 or share < 0.1:
-                        rows.append(design(tracker.cues(frame, found, tracker.estimate(frame, found))))
+                        rows.append(design(tracker.cues(frame, found, tracker.estimate(frame, found, None))))
                         labels.append(share > 0.5)
     is_person = np.array(labels)
     if len(rows) == 0 or is_person.all() or not is_person.any():

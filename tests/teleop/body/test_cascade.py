@@ -77,7 +77,7 @@ def test_every_joint_is_placed_near_the_true_one_and_closer_looks_help(
 def test_two_threads_find_what_one_finds(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
     image, _ = person
     with ThreadPoolExecutor(1) as beside:
-        both = settle(cascade, image, begin(cascade, image, ROUNDS, beside=beside), UNKNOWN, ROUNDS, beside)
+        both = settle(cascade, image, begin(cascade, image, ROUNDS, beside), UNKNOWN, ROUNDS, beside)
     alone = placed(cascade, image)
     assert (both.joints_m == alone.joints_m).all() and (both.cues == alone.cues).all()
 
@@ -85,32 +85,15 @@ def test_two_threads_find_what_one_finds(cascade: Cascade, person: tuple[Pixels,
 def test_without_looks_two_threads_give_the_coarse_joints(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
     image, _ = person
     with ThreadPoolExecutor(1) as beside:
-        found = settle(cascade, image, begin(cascade, image, 0, beside=beside), UNKNOWN, 0, beside)
+        found = settle(cascade, image, begin(cascade, image, 0, beside), UNKNOWN, 0, beside)
     assert (found.joints_m == placed(cascade, image, 0).joints_m).all()
-
-
-def test_joints_that_are_expected_take_the_place_of_the_first_look_where_the_coarse_network_agrees(
-    cascade: Cascade, person: tuple[Pixels, np.ndarray]
-) -> None:
-    image, _ = person
-    plain = placed(cascade, image)
-
-    def begun_with(expected_m: np.ndarray) -> Placed:
-        return settle(cascade, image, begin(cascade, image, ROUNDS, expected_m, 0.3), UNKNOWN, ROUNDS)
-
-    near = begun_with(plain.joints_m)
-    assert np.linalg.norm(near.joints_m - plain.joints_m, axis=1).max() < 0.02
-    assert (near.joints_m != plain.joints_m).any()
-    wrong = plain.joints_m.copy()
-    wrong[JOINT_INDEX["hand_left"]] += 0.4
-    assert (begun_with(wrong).joints_m == plain.joints_m).all()
 
 
 def test_what_fails_beside_is_raised_here(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
     image, _ = person
     broken = replace(cascade, coarse=replace(cascade.coarse, head=cascade.coarse.head[:3]))
     with ThreadPoolExecutor(1) as beside, pytest.raises(ValueError):
-        settle(broken, image, begin(broken, image, ROUNDS, beside=beside), UNKNOWN, ROUNDS, beside)
+        settle(broken, image, begin(broken, image, ROUNDS, beside), UNKNOWN, ROUNDS, beside)
 
 
 def test_a_mirrored_image_gives_the_mirrored_body(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
