@@ -35,7 +35,7 @@ from robot_sim.world.crops import Crops, FruitContact
 from robot_sim.world.meshes import merge
 from robot_sim.world.render import render_rgb
 from robot_sim.world.run_log import RunLog, Touching, logged
-from robot_sim.world.scene import load_floor, load_looks, load_obstacles
+from robot_sim.world.scene import Looks, load_floor, load_obstacles
 from robot_sim.world.snapshot import FruitMoment, Snapshot
 from robot_sim.world.tracks import Heading, track_speeds
 
@@ -74,7 +74,7 @@ class World:
         self.seed = seed
         self._greenhouse = greenhouse(self.config.greenhouse, seed)
         self._canopy = canopy(self._greenhouse.leaves)
-        self._meshes = merge(self._greenhouse.parts)
+        self._looks = Looks(merge(self._greenhouse.parts))
         self._unripe = frozenset(f.name for f in self._greenhouse.fruits if not f.ripe)
         self._client = Client()
         self._start()
@@ -337,7 +337,7 @@ class World:
         )
         load_floor(client)
         self._obstacles = load_obstacles(client, solid(self._greenhouse.parts))
-        load_looks(client, self._meshes)
+        self._looks.load(client)
         self._robot = RobotBody(client, self.config)
         self._crops = Crops(client, self._greenhouse.fruits, self.config.tool)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import subprocess
 import sys
@@ -148,6 +149,16 @@ def test_driving_into_a_gutter_stops_there_and_backs_out(world: World) -> None:
     assert math.hypot(state.drive_m_s, state.turn_rad_s) < 0.15
     back = run(world, 2.0, drive_m_s=-0.4)
     assert back.base_y_m < state.base_y_m - 0.3
+
+
+def test_a_reset_leaves_nothing_behind(world: World) -> None:
+    """PyBullet keeps every list that it is given; the looks alone are ten thousand."""
+    gc.collect()
+    before = len(gc.get_objects())
+    for _ in range(3):
+        world.reset()
+    gc.collect()
+    assert len(gc.get_objects()) - before < 1000
 
 
 def test_emergency_stop_stops_everything_until_reset(world: World) -> None:
