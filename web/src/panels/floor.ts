@@ -13,6 +13,17 @@ const TRAIL_POINTS = 160;
 const NEAR_M = 0.92;
 const FAR_M = 3.66;
 const HALF_WIDTH_M = 1.4;
+/** How much room the operator's mark needs beside their place: who stands further out is drawn at the map's edge. */
+const MARK_M = { side: 0.22, front: 0.22, behind: 0.1 };
+
+/** The place on the map that is nearest to this one. */
+function onMap([x, z]: readonly [number, number]): [number, number] {
+  const side = HALF_WIDTH_M - MARK_M.side;
+  return [
+    Math.min(Math.max(x, -side), side),
+    Math.min(Math.max(z, NEAR_M + MARK_M.front), FAR_M - MARK_M.behind),
+  ];
+}
 
 export class FloorPanel implements Panel {
   readonly element: HTMLElement;
@@ -139,8 +150,9 @@ export class FloorPanel implements Panel {
     const at = state.spine_xz;
     this.shown.set(at ? "visible" : "hidden");
     if (at) {
-      this.place.set(`translate(${at[0].toFixed(3)} ${at[1].toFixed(3)})`);
-      this.remember(at[0], at[1]);
+      const [x, z] = onMap(at);
+      this.place.set(`translate(${x.toFixed(3)} ${z.toFixed(3)})`);
+      this.remember(x, z);
     } else if (this.count > 0) {
       this.count = 0;
       this.trail.setAttribute("points", "");
