@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Final, TypeVarTuple
+from typing import Final
 
 import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teleop.body.beside import later
 from teleop.body.coarse import CoarseNet, locate
 from teleop.body.features import Pixels
 from teleop.body.limbs import GROUPS, Round, place
@@ -27,7 +28,6 @@ _BESIDE: Final = (0,), (1, 2)
 Floats = npt.NDArray[np.float64]
 Known = tuple[Floats, Floats]
 """Joints (20, 3) and how far they may be off (20,), in metres."""
-T = TypeVarTuple("T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,10 +63,10 @@ def begin(cascade: Cascade, image: Pixels, rounds: int, beside: ThreadPoolExecut
 
     beside: one thread, first in, first out: the look waits for the network. What a job raises is raised by settle.
     """
-    whole = _later(beside, locate, cascade.coarse, image)
+    whole = later(beside, locate, cascade.coarse, image)
     if not cascade.rounds[:rounds]:
         return Begun(whole, None)
-    return Begun(whole, _later(beside, lambda: place(cascade.rounds[0], image, whole()[0], _AHEAD[0])))
+    return Begun(whole, later(beside, lambda: place(cascade.rounds[0], image, whole()[0], _AHEAD[0])))
 
 
 def settle(
@@ -86,19 +86,11 @@ def settle(
     ahead = begun.ahead
     for nets in cascade.rounds[:rounds]:
         there, here = _BESIDE if ahead is None else _AHEAD
-        theirs = ahead or _later(beside, place, nets, image, joints_m, there)
+        theirs = ahead or later(beside, place, nets, image, joints_m, there)
         joints_m, spread_m = _joined(place(nets, image, joints_m, here), theirs(), there)
         ahead = None
     cues = _cues(coarse_m, coarse_spread_m, joints_m, spread_m, forest_m)
     return Placed(joints_m, spread_m, cues)
-
-
-def _later(beside: ThreadPoolExecutor | None, work: Callable[[*T], Known], *args: *T) -> Callable[[], Known]:
-    """The work's result once it is asked for; done at once where there is nobody beside."""
-    if beside is None:
-        known = work(*args)
-        return lambda: known
-    return beside.submit(work, *args).result
 
 
 def _joined(here: Known, there: Known, groups: tuple[int, ...]) -> Known:

@@ -58,25 +58,37 @@ class PaddedImage:
 
 
 @nb.njit(cache=True, nogil=True)
+def _cut_row(
+    depths: npt.NDArray[np.uint16], inside: npt.NDArray[np.bool_], step: int, row: npt.NDArray[np.int16]
+) -> int:
+    """Every step-th pixel, FAR_MM off the operator; the nearest depth."""
+    far, nearest, apart = np.int16(FAR_MM), np.int16(FAR_MM), np.uint64(step)
+    # unsigned indices cannot be negative, so the loops are done in steps of many pixels
+    for j in range(np.uint64(len(row))):
+        z, own = depths[j * apart], inside[j * apart]
+        value = np.int16(z) if own & (z < FAR_MM) else far
+        row[j] = value
+        nearest = min(nearest, value)
+    return int(nearest)
+
+
+@nb.njit(cache=True, nogil=True)
 def _cut(
     depth_mm: npt.NDArray[np.uint16], mask: npt.NDArray[np.bool_], box: tuple[int, int, int, int], step: int, flip: bool
 ) -> tuple[npt.NDArray[np.int16], int]:
     """Every step-th pixel of the box, FAR_MM off the operator, and the nearest depth; flip: columns backwards."""
     u0, v0, u1, v1 = box
     height, width = max(0, -((v0 - v1) // step)), max(0, -((u0 - u1) // step))
-    out = np.empty((height, width), np.int16)
-    far, nearest = np.int16(FAR_MM), np.int16(FAR_MM)
+    out, line, nearest = np.empty((height, width), np.int16), np.empty(width, np.int16), FAR_MM
     for i in range(height):
         depths, inside, row = depth_mm[v0 + i * step, u0:u1], mask[v0 + i * step, u0:u1], out[i]
-        # unsigned indices cannot be negative, so the loop is done in steps of many pixels
-        for j in range(np.uint64(width)):
-            z, own = depths[j * np.uint64(step)], inside[j * np.uint64(step)]
-            value = np.int16(z) if own and z < FAR_MM else far
-            row[j] = value
-            nearest = min(nearest, value)
         if flip:
-            row[:] = row[::-1].copy()
-    return out, int(nearest)
+            nearest = min(nearest, _cut_row(depths, inside, step, line))
+            for j in range(np.uint64(width)):
+                row[j] = line[np.uint64(width - 1) - j]
+        else:
+            nearest = min(nearest, _cut_row(depths, inside, step, row))
+    return out, nearest
 
 
 def pad_image(

@@ -13,6 +13,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teleop.body.exponent import exp_in_place
 from teleop.body.grid import Window
 from teleop.body.layers import F32, Stack, run_stack
 
@@ -56,6 +57,24 @@ def finder_input(grid_mm: npt.NDArray[np.uint16], rows: int, columns: int) -> F3
 
 
 @nb.njit(cache=True, nogil=True)
+def _join(fine: F32, coarse: F32, bias: F32, out: F32) -> None:
+    for k in range(np.uint64(len(bias))):
+        out[k] = max(fine[k] + coarse[k] + bias[k], np.float32(0))
+
+
+@nb.njit(cache=True, nogil=True)
+def _sigmoids(logits: F32, bias: F32) -> None:
+    """Logits (N, C) without their bias (C,) to probabilities, in place."""
+    for row in range(logits.shape[0]):
+        for k in range(logits.shape[1]):
+            logits[row, k] = -(logits[row, k] + bias[k])
+    flat = logits.reshape(-1)
+    exp_in_place(flat, np.empty(len(flat), np.int32))
+    for i in range(np.uint64(len(flat))):
+        flat[i] = np.float32(1) / (np.float32(1) + flat[i])
+
+
+@nb.njit(cache=True, nogil=True)
 def _run(
     grid_mm: npt.NDArray[np.uint16],
     rows: int,
@@ -76,16 +95,17 @@ def _run(
     joined = np.empty((1, h, w, len(bias)), np.float32)
     for r in range(h):
         for c in range(w):
-            for k in range(len(bias)):
-                joined[0, r, c, k] = max(fine[r, c, k] + coarse[r // 2, c // 2, k] + bias[k], np.float32(0))
+            _join(fine[r, c], coarse[r // 2, c // 2], bias, joined[0, r, c])
     joined = run_stack(joined, last[0], last[1], last[2])
     logits = np.dot(joined.reshape(-1, joined.shape[3]), head)
-    out = np.empty(grid_mm.shape, np.float32)
-    for r in range(grid_mm.shape[0]):
-        for c in range(grid_mm.shape[1]):
-            k = (r % BLOCK) * BLOCK + c % BLOCK
-            logit = logits[(r // BLOCK) * w + c // BLOCK, k] + head_bias[k]
-            out[r, c] = np.float32(1.0) / (np.float32(1.0) + np.exp(-logit))
+    _sigmoids(logits, head_bias)
+    high, wide = grid_mm.shape
+    out = np.empty((high, wide), np.float32)
+    for r in range(high):
+        block, first = (r // BLOCK) * w, (r % BLOCK) * BLOCK
+        for column in range((wide + BLOCK - 1) // BLOCK):
+            for k in range(min(BLOCK, wide - column * BLOCK)):
+                out[r, column * BLOCK + k] = logits[block + column, first + k]
     return out
 
 

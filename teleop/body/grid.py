@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from teleop.frames import Camera, DepthFrame
+from teleop.frames import DepthFrame, Intrinsics
 from teleop.skeleton import FloorPlane
 
 LEVEL_ROWS: Final = 2
@@ -36,15 +37,15 @@ def decimate(frame: DepthFrame, columns: int) -> Grid:
     """A grid of about ``columns`` columns."""
     step = max(1, round(frame.camera.depth.width / columns))
     depth_mm = np.ascontiguousarray(frame.depth_mm[::step, ::step])
-    across, up = _rays(frame.camera, step, depth_mm.shape[1], depth_mm.shape[0])
+    across, up = _rays(frame.camera.depth, frame.camera.x_sign, step, depth_mm.shape[1], depth_mm.shape[0])
     return Grid(step, depth_mm, across, up)
 
 
-def _rays(camera: Camera, step: int, columns: int, rows: int) -> tuple[F32, F32]:
-    k = camera.depth
+@lru_cache(maxsize=8)
+def _rays(k: Intrinsics, x_sign: float, step: int, columns: int, rows: int) -> tuple[F32, F32]:
     u, v = np.arange(columns, dtype=np.float64) * step, np.arange(rows, dtype=np.float64) * step
     return (
-        (camera.x_sign / k.fx * (u - k.cx)).astype(np.float32),
+        (x_sign / k.fx * (u - k.cx)).astype(np.float32),
         (-1.0 / k.fy * (v - k.cy)).astype(np.float32),
     )
 

@@ -20,8 +20,6 @@ from teleop.body.winograd import SIZE, convolve, transformed
 
 F32 = npt.NDArray[np.float32]
 I16 = npt.NDArray[np.int16]
-_LANES: Final = 16
-"""Numbers that are copied at once."""
 _WINDOWS: Final = 192
 """Windows that are unfolded at once: more would leave the nearest cache before they are multiplied."""
 
@@ -77,9 +75,9 @@ def _by_winograd(size: int, stride: int) -> bool:
 
 @nb.njit(cache=True, nogil=True)
 def _framed(images: F32, top: int, left: int, height: int, width: int) -> F32:
-    """The images' numbers, images of (height, width) now with zeros round them, and _LANES more numbers."""
+    """The images' numbers, images of (height, width) now with zeros round them."""
     count, rows, columns, channels = images.shape
-    out = np.zeros(count * height * width * channels + _LANES, np.float32)
+    out = np.zeros(count * height * width * channels, np.float32)
     flat, run = images.reshape(-1), np.uint64(columns * channels)
     for n in range(count):
         for r in range(rows):
@@ -95,19 +93,16 @@ def _framed(images: F32, top: int, left: int, height: int, width: int) -> F32:
 def _unfold(framed: F32, of: int, line: int, size: int, run: int, step: int, columns: int, to: int, out: F32) -> None:
     """The windows of one row of outputs, one after another from ``to`` on: ``size`` runs of memory, ``line`` apart.
 
-    Whole lanes are copied: what is too much is overwritten by the next run.
+    The first run of every window, then the second of every one: twice as quick as window by window.
     """
-    lanes = np.uint64((run + _LANES - 1) // _LANES)
-    at = np.uint64(to)
-    for x in range(columns):
-        begin = np.uint64(of + x * step)
-        for _ in range(size):
-            for lane in range(lanes):
-                first = lane * np.uint64(_LANES)
-                for k in range(np.uint64(_LANES)):
-                    out[at + first + k] = framed[begin + first + k]
-            at += np.uint64(run)
-            begin += np.uint64(line)
+    count, apart, along = np.uint64(run), np.uint64(size * run), np.uint64(step)
+    for k in range(size):
+        at, begin = np.uint64(to + k * run), np.uint64(of + k * line)
+        for _ in range(columns):
+            for i in range(count):
+                out[at + i] = framed[begin + i]
+            at += apart
+            begin += along
 
 
 @nb.njit(cache=True, nogil=True)
@@ -119,7 +114,7 @@ def _convolve(images: F32, kernel: F32, size: int, stride: int) -> F32:
     framed = _framed(images, (high - height) // 2, (wide - width) // 2, high, wide)
     deep, outputs = kernel.shape
     most = max(1, _WINDOWS // columns)
-    windows = np.empty(most * columns * deep + _LANES, np.float32)
+    windows = np.empty(most * columns * deep, np.float32)
     values = np.empty((count * rows * columns, outputs), np.float32)
     for first in range(0, count * rows, most):
         now = min(most, count * rows - first)

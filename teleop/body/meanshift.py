@@ -6,45 +6,72 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teleop.body.exponent import exp_in_place
+
+F32 = npt.NDArray[np.float32]
+
+
+@nb.njit(cache=True, nogil=True, fastmath={"reassoc", "nsz", "contract"})
+def _pull(
+    points_m: F32, kernel: F32, x: np.float32, y: np.float32, z: np.float32
+) -> tuple[np.float32, np.float32, np.float32, np.float32]:
+    """The kernel's sum, and the sums of the ways from (x, y, z) to the points, by it."""
+    px, py, pz = points_m[0], points_m[1], points_m[2]
+    total = sx = sy = sz = np.float32(0)
+    for i in range(np.uint64(len(kernel))):
+        w = kernel[i]
+        total += w
+        sx += w * (px[i] - x)
+        sy += w * (py[i] - y)
+        sz += w * (pz[i] - z)
+    return total, sx, sy, sz
+
+
+@nb.njit(cache=True, nogil=True)
+def _exponents(points_m: F32, x: np.float32, y: np.float32, z: np.float32, inverse: np.float32, out: F32) -> None:
+    px, py, pz = points_m[0], points_m[1], points_m[2]
+    for i in range(np.uint64(len(out))):
+        dx, dy, dz = px[i] - x, py[i] - y, pz[i] - z
+        out[i] = -(dx * dx + dy * dy + dz * dz) * inverse
+
+
+@nb.njit(cache=True, nogil=True)
+def _weigh(kernel: F32, weights: F32) -> None:
+    for i in range(np.uint64(len(kernel))):
+        kernel[i] *= weights[i]
+
 
 @nb.njit(cache=True, nogil=True)
 def shift_to_mode(
-    points_m: npt.NDArray[np.float32],
-    weights: npt.NDArray[np.float32],
+    points_m: F32,
+    weights: F32,
     start_m: npt.NDArray[np.float64],
     bandwidth_m: float,
     iterations: int,
     tolerance_m: float,
 ) -> npt.NDArray[np.float64]:
-    """Mode (3,) reached from a start. Kernel exp(-|(p - p_i) / b|^2), cut at 3 b where it is 1e-4."""
+    """Mode (3,) reached from a start. points_m: (3, N). Kernel exp(-|(p - p_i) / b|^2)."""
     x, y, z = start_m[0], start_m[1], start_m[2]
-    inverse = 1.0 / (bandwidth_m * bandwidth_m)
+    inverse = np.float32(1.0 / (bandwidth_m * bandwidth_m))
+    kernel, powers = np.empty(len(weights), np.float32), np.empty(len(weights), np.int32)
     for _ in range(iterations):
-        sx = sy = sz = total = 0.0
-        for i in range(len(points_m)):
-            dx = points_m[i, 0] - x
-            dy = points_m[i, 1] - y
-            dz = points_m[i, 2] - z
-            q = (dx * dx + dy * dy + dz * dz) * inverse
-            if q < 9.0:
-                w = weights[i] * np.exp(-q)
-                total += w
-                sx += w * dx
-                sy += w * dy
-                sz += w * dz
-        if total <= 0.0:
+        fx, fy, fz = np.float32(x), np.float32(y), np.float32(z)
+        _exponents(points_m, fx, fy, fz, inverse, kernel)
+        exp_in_place(kernel, powers)
+        _weigh(kernel, weights)
+        total, sx, sy, sz = _pull(points_m, kernel, fx, fy, fz)
+        if total < 1e-30:
             break
-        sx, sy, sz = sx / total, sy / total, sz / total
-        x, y, z = x + sx, y + sy, z + sz
-        if sx * sx + sy * sy + sz * sz < tolerance_m * tolerance_m:
+        x, y, z = fx + sx / total, fy + sy / total, fz + sz / total
+        if sx * sx + sy * sy + sz * sz < (tolerance_m * total) ** 2:
             break
     return np.array([x, y, z])
 
 
 @nb.njit(cache=True, nogil=True)
 def find_modes(
-    points_m: npt.NDArray[np.float32],
-    weights: npt.NDArray[np.float32],
+    points_m: F32,
+    weights: F32,
     bandwidth_m: float,
     starts: int,
     iterations: int,
@@ -52,11 +79,11 @@ def find_modes(
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Distinct modes of a density, best first.
 
-    points_m: (N, 3). weights: (N,). starts: greedy starts, each the heaviest point farther than two bandwidths from
-    every mode found so far. Returns modes (S, 3), rows NaN where there are fewer, and scores (S,): the summed weight
-    of the points within two bandwidths, a better confidence than the density (Shotton 2011).
+    points_m: (3, N), or more that do not count. weights: (N,). starts: greedy starts, each the heaviest point farther
+    than two bandwidths from every mode found so far. Returns modes (S, 3), rows NaN where there are fewer, and scores
+    (S,): the summed weight of the points within two bandwidths, a better confidence than the density (Shotton 2011).
     """
-    n = len(points_m)
+    n = len(weights)
     modes = np.full((starts, 3), np.nan)
     scores = np.zeros(starts)
     free = np.ones(n, np.bool_)
@@ -69,12 +96,12 @@ def find_modes(
                 best = i
         if best < 0 or weights[best] <= 0:
             break
-        start = points_m[best].astype(np.float64)
+        start = points_m[:, best].astype(np.float64)
         mode = shift_to_mode(points_m, weights, start, bandwidth_m, iterations, tolerance_m)
         free[best] = False
         score = 0.0
         for i in range(n):
-            dx, dy, dz = points_m[i, 0] - mode[0], points_m[i, 1] - mode[1], points_m[i, 2] - mode[2]
+            dx, dy, dz = points_m[0, i] - mode[0], points_m[1, i] - mode[1], points_m[2, i] - mode[2]
             if (free[i] or i == best) and dx * dx + dy * dy + dz * dz < radius2:
                 score += weights[i]
                 free[i] = False

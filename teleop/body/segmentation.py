@@ -9,6 +9,7 @@ import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from teleop.body.beside import later
 from teleop.body.components import Surfaces, adjacency, grow_mask, label_surfaces, measure_surfaces
 from teleop.body.finder import Finder, person_cells
 from teleop.body.floor import find_floor
@@ -16,6 +17,8 @@ from teleop.body.grid import Grid, Window, cloud, decimate, standing
 from teleop.config.body import FloorConfig, SegmentationConfig
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane
+
+_NO_CELLS = np.zeros((0, 0), np.bool_)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,21 +59,27 @@ def look(
 ) -> Scene:
     """Decimate the frame, find the floor and people's cells, and part what is left into surfaces.
 
-    beside: where the finder runs, while the floor is found here. window: where alone people are looked for.
+    beside: where the floor is found, while the finder runs here. window: where alone people are looked for.
     """
-    grid, near_m, far_m = decimate(frame, config.grid_columns), config.min_depth_m, config.max_depth_m
-    person, seeking = None, None
-    if finder is not None and beside is not None:
-        seeking = beside.submit(person_cells, finder, grid.depth_mm, window)
-    floor = find_floor(*cloud(grid, near_m, far_m), previous_floor, floor_config)
-    usable, levelled = standing(grid, near_m, far_m, floor, config.floor_clearance_m)
-    if finder is not None:
-        person = person_cells(finder, grid.depth_mm, window) if seeking is None else seeking.result()
+    grid = decimate(frame, config.grid_columns)
+    ground = later(beside, _ground, grid, previous_floor, floor_config, config)
+    person = None if finder is None else person_cells(finder, grid.depth_mm, window)
+    floor, usable, levelled = ground()
+    if person is not None:
         usable &= person > config.min_person
     labels, count = label_surfaces(grid.depth_mm, usable, config.jump_m)
     cell_per_focal = grid.step / frame.camera.depth.fx
     surfaces = measure_surfaces(labels, levelled, grid.depth_mm, person, count, cell_per_focal)
     return Scene(grid, person, labels, surfaces, floor)
+
+
+def _ground(
+    grid: Grid, previous: FloorPlane | None, floor_config: FloorConfig, config: SegmentationConfig
+) -> tuple[FloorPlane | None, npt.NDArray[np.bool_], npt.NDArray[np.float32]]:
+    """The floor, and what stands on it, see standing."""
+    near_m, far_m = config.min_depth_m, config.max_depth_m
+    floor = find_floor(*cloud(grid, near_m, far_m), previous, floor_config)
+    return floor, *standing(grid, near_m, far_m, floor, config.floor_clearance_m)
 
 
 def window_round(
@@ -93,30 +102,39 @@ def window_round(
     )
 
 
-def plausible(surfaces: Surfaces, config: SegmentationConfig) -> npt.NDArray[np.bool_]:
-    """Which surfaces (C,) have a person's size."""
-    extent = surfaces.high_m - surfaces.low_m
-    return np.asarray(
-        (surfaces.area_m2 >= config.min_area_m2)
-        & (surfaces.area_m2 <= config.max_area_m2)
-        & (extent[:, 1] >= config.min_height_m)
-        & (extent[:, 1] <= config.max_height_m)
-        & (extent[:, 0] <= config.max_width_m)
-        & (extent[:, 2] <= config.max_thickness_m)
-    )
-
-
 @nb.njit(cache=True, nogil=True)
 def _overlap(labels: npt.NDArray[np.int32], cells: npt.NDArray[np.bool_], count: int) -> npt.NDArray[np.float64]:
-    """Share (C,) of the cells (h, w) that each label covers."""
+    """Share (C,) of the cells (h, w) that each label covers; none without cells."""
     out, total = np.zeros(count), 0
-    for r in range(labels.shape[0]):
-        for c in range(labels.shape[1]):
+    for r in range(cells.shape[0]):
+        for c in range(cells.shape[1]):
             if cells[r, c]:
                 total += 1
                 if labels[r, c] >= 0:
                     out[labels[r, c]] += 1.0
     return out / max(1, total)
+
+
+@nb.njit(cache=True, nogil=True)
+def _scores(
+    overlap: npt.NDArray[np.float64],
+    area_m2: npt.NDArray[np.float64],
+    low_m: npt.NDArray[np.float64],
+    high_m: npt.NDArray[np.float64],
+    centre_m: npt.NDArray[np.float64],
+    smallest: tuple[float, float],
+    largest: tuple[float, float, float, float],
+) -> npt.NDArray[np.float64]:
+    """How likely each surface (C,) is the operator, -inf without a person's size. smallest: area [m2] and height [m].
+    largest: area, width, height, thickness."""
+    out = np.full(len(area_m2), -np.inf)
+    for k in range(len(area_m2)):
+        wide, high, thick = high_m[k] - low_m[k]
+        fits = smallest[0] <= area_m2[k] <= largest[0] and smallest[1] <= high <= largest[2]
+        if fits and wide <= largest[1] and thick <= largest[3]:
+            x, z = centre_m[k, 0], centre_m[k, 2]
+            out[k] = 10.0 * overlap[k] - np.hypot(x, z) - 0.5 * abs(x)
+    return out
 
 
 def rank(scene: Scene, previous: npt.NDArray[np.bool_] | None, config: SegmentationConfig) -> list[int]:
@@ -126,14 +144,12 @@ def rank(scene: Scene, previous: npt.NDArray[np.bool_] | None, config: Segmentat
     nearest and most central person-sized surface comes first.
     """
     s = scene.surfaces
-    fits = plausible(s, config)
-    if not fits.any():
-        return []
-    overlap = 0.0 if previous is None else _overlap(scene.labels, previous, len(s.cells))
-    distance = np.hypot(s.centre_m[:, 0], s.centre_m[:, 2])
-    score = np.where(fits, 10.0 * overlap - distance - 0.5 * np.abs(s.centre_m[:, 0]), -np.inf)
+    overlap = _overlap(scene.labels, _NO_CELLS if previous is None else previous, len(s.cells))
+    smallest = (config.min_area_m2, config.min_height_m)
+    largest = (config.max_area_m2, config.max_width_m, config.max_height_m, config.max_thickness_m)
+    score = _scores(overlap, s.area_m2, s.low_m, s.high_m, s.centre_m, smallest, largest)
     order = np.argsort(-score, kind="stable")[: config.candidates]
-    return [int(k) for k in order if np.isfinite(score[k])]
+    return [k for k in order.tolist() if score[k] > -np.inf]
 
 
 @nb.njit(cache=True, nogil=True)
@@ -202,10 +218,10 @@ def grid_mask(candidate_: Candidate, step: int) -> npt.NDArray[np.bool_]:
     return np.ascontiguousarray(candidate_.mask[::step, ::step])
 
 
-def _floor_row(floor: FloorPlane | None, camera: Camera, clearance_m: float) -> npt.NDArray[np.float64]:
+def _floor_row(floor: FloorPlane | None, camera: Camera, clearance_m: float) -> npt.NDArray[np.float32]:
     """Coefficients (a, b, c, e) of a pixel's height above the cut: ``z (a u + b v + c) + e``."""
     if floor is None:
-        return np.array([0.0, 0.0, 0.0, 1.0])
+        return np.array([0.0, 0.0, 0.0, 1.0], np.float32)
     k, n = camera.depth, floor.normal
     a, b = n[0] * camera.x_sign / k.fx, -n[1] / k.fy
-    return np.array([a, b, n[2] - a * k.cx - b * k.cy, floor.camera_height_m - clearance_m])
+    return np.array([a, b, n[2] - a * k.cx - b * k.cy, floor.camera_height_m - clearance_m], np.float32)

@@ -50,7 +50,7 @@ def gather_votes(
     """The surest votes of each joint.
 
     Two passes: the first counts votes by spread code, the second keeps those up to the code that fills
-    ``max_points``, evenly thinned at that last code. Returns points (J, max_points, 3), weights (J, max_points)
+    ``max_points``, evenly thinned at that last code. Returns points (J, 3, max_points), weights (J, max_points)
     holding d^2 (source eq. (3)), counts (J,) and the total weight (J,) of all votes.
     """
     trees, n = leaves.shape
@@ -74,7 +74,7 @@ def gather_votes(
                 keep_every[j] = h / np.float32(max_points - total) if total < max_points else np.float32(1e9)
                 break
             total += h
-    out = np.empty((joints, max_points, 3), np.float32)
+    out = np.empty((joints, 3, max_points), np.float32)
     weights = np.empty((joints, max_points), np.float32)
     counts = np.zeros(joints, np.int32)
     seen = np.zeros(joints, np.int32)
@@ -101,7 +101,7 @@ def gather_votes(
                 c = counts[j]
                 if c < max_points:
                     for a in range(3):
-                        out[j, c, a] = points_m[i, a] + vote_mm[leaf, k, a] * np.float32(1e-3)
+                        out[j, a, c] = points_m[i, a] + vote_mm[leaf, k, a] * np.float32(1e-3)
                     weights[j, c] = w
                     counts[j] = c + 1
     return out, weights, counts, mass
@@ -125,7 +125,7 @@ def all_modes(
         c = counts[j]
         if c > 0:
             w = weights[j, :c]
-            m, s = find_modes(points_m[j, :c], w, bandwidth_m[j], starts, iterations, tolerance_m)
+            m, s = find_modes(points_m[j], w, bandwidth_m[j], starts, iterations, tolerance_m)
             modes[j] = m
             shares[j] = s / w.sum()
     return modes, shares
