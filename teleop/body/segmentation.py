@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from teleop.body.beside import later
-from teleop.body.components import Surfaces, adjacency, grow_mask, label_surfaces, measure_surfaces
+from teleop.body.components import Surfaces, adjacency, label_surfaces, measure_surfaces
 from teleop.body.finder import Finder, person_cells
 from teleop.body.floor import find_floor
 from teleop.body.grid import Grid, Window, cloud, decimate, standing
+from teleop.body.mask import grow_mask
 from teleop.config.body import FloorConfig, SegmentationConfig
 from teleop.frames import Camera, DepthFrame
 from teleop.skeleton import FloorPlane

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from teleop.body.components import adjacency, grow_mask, label_surfaces, measure_surfaces
+from teleop.body.components import adjacency, label_surfaces, measure_surfaces
 from teleop.body.grid import decimate, standing
 from teleop.body.segmentation import window_round
 from teleop.config.body import SegmentationConfig
@@ -41,24 +41,6 @@ def test_adjacency_counts_touching_cells() -> None:
     labels[:, 0:2], labels[:, 3:5], labels[0, 7] = 0, 1, 2
     near = adjacency(labels, 0, 3, 2)
     assert near.tolist() == [0, 5, 0]
-
-
-def test_mask_follows_depth_and_cuts_below_the_floor_line() -> None:
-    depth = np.full((16, 16), 2000, np.uint16)
-    depth[:, 8:] = 3000
-    grid = np.ascontiguousarray(depth[::4, ::4])
-    labels = np.where(grid == 2000, 0, 1).astype(np.int32)
-    free = np.array([0.0, 0.0, 0.0, 1.0])
-    only_first = np.array([True, False])
-    mask, area, box = grow_mask(depth, labels, only_first, grid, 4, 0.07, free)
-    assert (mask == (depth == 2000)).all()
-    assert area == 128 and box == (0, 0, 8, 16)
-    # height = 1 - v / 8 at 2 m: rows from 8 on are floor
-    cut, area, box = grow_mask(depth, labels, only_first, grid, 4, 0.07, np.array([0.0, -1 / 16, 0.0, 1.0]))
-    assert cut[:8, :8].all() and not cut[8:].any()
-    assert area == 64 and box == (0, 0, 8, 8)
-    nothing = grow_mask(depth, labels, np.zeros(2, bool), grid, 4, 0.07, free)
-    assert nothing[1] == 0 and not nothing[0].any()
 
 
 def test_what_stands_is_above_the_floor() -> None:
