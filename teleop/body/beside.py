@@ -11,7 +11,10 @@ T = TypeVarTuple("T")
 
 
 def later(beside: Executor | None, work: Callable[[*T], R], *args: *T) -> Callable[[], R]:
-    """The work's result, or what it raised, once it is asked for; done at once where there is nobody beside."""
+    """The work's result, or what it raised, once it is asked for.
+
+    Where there is nobody beside it is done, and raises, at once.
+    """
     if beside is None:
         known = work(*args)
         return lambda: known

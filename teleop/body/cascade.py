@@ -61,7 +61,7 @@ class Begun:
 def begin(cascade: Cascade, image: Pixels, rounds: int, beside: ThreadPoolExecutor | None = None) -> Begun:
     """Start the coarse network and most of the first look, which take as long as the forest does beside them.
 
-    beside: one thread, first in, first out: the look waits for the network. What a job raises is raised by settle.
+    beside: one thread, first in, first out: the look waits for the network. What a job raises there, settle raises.
     """
     whole = later(beside, locate, cascade.coarse, image)
     if not cascade.rounds[:rounds]:

@@ -9,8 +9,9 @@ import numpy.typing as npt
 
 @nb.njit(cache=True, nogil=True)
 def exp_in_place(values: npt.NDArray[np.float32], powers: npt.NDArray[np.int32]) -> None:
-    """Replace values (N,) by their exponentials, right to 3e-7 of them between exp(-87) and exp(87), cut off there.
+    """Replace values (N,) by their exponentials, cut off at exp(-87) and exp(87).
 
+    Within 3e-7 of themselves near x = 0 and 4e-6 at the ends, where the product with log2 e is rounded.
     powers: (N,) to work in. ``exp x = 2^n 2^f`` with a whole n, written into the exponent of a float's bits, and f
     within half of zero, where six terms of the series are enough.
     """

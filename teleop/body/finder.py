@@ -75,6 +75,18 @@ def _sigmoids(logits: F32, bias: F32) -> None:
 
 
 @nb.njit(cache=True, nogil=True)
+def by_cell(blocks: F32, across: int, high: int, wide: int) -> F32:
+    """Values (high, wide) cell by cell, of blocks (N, BLOCK * BLOCK), ``across`` of them side by side."""
+    out = np.empty((high, wide), np.float32)
+    for r in range(high):
+        block, first = (r // BLOCK) * across, (r % BLOCK) * BLOCK
+        for column in range((wide + BLOCK - 1) // BLOCK):
+            for k in range(min(BLOCK, wide - column * BLOCK)):
+                out[r, column * BLOCK + k] = blocks[block + column, first + k]
+    return out
+
+
+@nb.njit(cache=True, nogil=True)
 def _run(
     grid_mm: npt.NDArray[np.uint16],
     rows: int,
@@ -99,14 +111,7 @@ def _run(
     joined = run_stack(joined, last[0], last[1], last[2])
     logits = np.dot(joined.reshape(-1, joined.shape[3]), head)
     _sigmoids(logits, head_bias)
-    high, wide = grid_mm.shape
-    out = np.empty((high, wide), np.float32)
-    for r in range(high):
-        block, first = (r // BLOCK) * w, (r % BLOCK) * BLOCK
-        for column in range((wide + BLOCK - 1) // BLOCK):
-            for k in range(min(BLOCK, wide - column * BLOCK)):
-                out[r, column * BLOCK + k] = logits[block + column, first + k]
-    return out
+    return by_cell(logits, w, grid_mm.shape[0], grid_mm.shape[1])
 
 
 def person_cells(finder: Finder, grid_mm: npt.NDArray[np.uint16], window: Window | None = None) -> F32:

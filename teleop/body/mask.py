@@ -61,7 +61,7 @@ def _agrees(d: np.int32, low: I32, high: I32, r: int, c: int) -> bool:
 
 
 @nb.njit(cache=True, nogil=True)
-def _spread(
+def _per_pixel(
     c0: int, c1: int, least: I32, most: I32, parted: npt.NDArray[np.bool_], step: int, over: I32, under: I32
 ) -> bool:
     """What agrees with cells, for each pixel of a row of them; nothing with a parted one. Whether one is parted."""
@@ -72,6 +72,12 @@ def _spread(
         for k in range(wide):
             over[first + k], under[first + k] = low, high
     return some
+
+
+@nb.njit(cache=True, nogil=True)
+def _is_above(d: np.int32, slope: np.float32, e: np.float32) -> bool:
+    """Whether a depth [mm] lies above the cut, see grow_mask."""
+    return bool(np.float32(d) * np.float32(1e-3) * slope + e > np.float32(0))
 
 
 @nb.njit(cache=True, nogil=True)
@@ -89,8 +95,7 @@ def _test_row(
     """Whether the pixels of a row lie between two depths and above the cut, see grow_mask."""
     for u in range(np.uint64(begin), np.uint64(end)):
         d = np.int32(line[u])
-        above = np.float32(d) * np.float32(1e-3) * (across[u] + row) + e > np.float32(0)
-        inside[u] = (d > over[u]) & (d < under[u]) & above
+        inside[u] = (d > over[u]) & (d < under[u]) & _is_above(d, across[u] + row, e)
 
 
 @nb.njit(cache=True, nogil=True)
@@ -134,7 +139,7 @@ def grow_mask(
     area, v0, v1 = 0, height, 0
     for r in range(r0, r1):
         _around(low, high, r, down, least, most, parted)
-        some_parted = _spread(c0, c1, least, most, parted, step, over, under)
+        some_parted = _per_pixel(c0, c1, least, most, parted, step, over, under)
         for v in range(r * step, min(r * step + step, height)):
             line, inside, row = depth_mm[v], mask[v], b * np.float32(v)
             _test_row(line, begin, end, over, under, across, row, e, inside)
@@ -142,8 +147,7 @@ def grow_mask(
                 if parted[c]:
                     for u in range(c * step, min(c * step + step, width)):
                         d = np.int32(line[u])
-                        above = np.float32(d) * np.float32(1e-3) * (across[u] + row) + e > np.float32(0)
-                        inside[u] = above and _agrees(d, low, high, r, c)
+                        inside[u] = _is_above(d, across[u] + row, e) and _agrees(d, low, high, r, c)
             count = _count_row(inside, begin, end, per_column)
             if count > 0:
                 area, v0, v1 = area + count, min(v0, v), v + 1

@@ -36,9 +36,9 @@ def _exponents(points_m: F32, x: np.float32, y: np.float32, z: np.float32, inver
 
 
 @nb.njit(cache=True, nogil=True)
-def _weigh(kernel: F32, weights: F32) -> None:
+def _weigh(kernel: F32, weights: F32, scale: np.float32) -> None:
     for i in range(np.uint64(len(kernel))):
-        kernel[i] *= weights[i]
+        kernel[i] *= weights[i] * scale
 
 
 @nb.njit(cache=True, nogil=True)
@@ -53,17 +53,23 @@ def shift_to_mode(
     """Mode (3,) reached from a start. points_m: (3, N). Kernel exp(-|(p - p_i) / b|^2)."""
     x, y, z = start_m[0], start_m[1], start_m[2]
     inverse = np.float32(1.0 / (bandwidth_m * bandwidth_m))
+    heaviest = weights.max()
+    if not heaviest > 0:
+        return start_m
+    # relative to the heaviest: squares of small weights would leave float32's range
+    scale = np.float32(1) / heaviest
     kernel, powers = np.empty(len(weights), np.float32), np.empty(len(weights), np.int32)
     for _ in range(iterations):
         fx, fy, fz = np.float32(x), np.float32(y), np.float32(z)
         _exponents(points_m, fx, fy, fz, inverse, kernel)
         exp_in_place(kernel, powers)
-        _weigh(kernel, weights)
+        _weigh(kernel, weights, scale)
         total, sx, sy, sz = _pull(points_m, kernel, fx, fy, fz)
         if total < 1e-30:
             break
-        x, y, z = fx + sx / total, fy + sy / total, fz + sz / total
-        if sx * sx + sy * sy + sz * sz < (tolerance_m * total) ** 2:
+        sx, sy, sz = sx / total, sy / total, sz / total
+        x, y, z = fx + sx, fy + sy, fz + sz
+        if sx * sx + sy * sy + sz * sz < tolerance_m * tolerance_m:
             break
     return np.array([x, y, z])
 

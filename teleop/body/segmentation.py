@@ -63,7 +63,7 @@ def look(
     beside: where the floor is found, while the finder runs here. window: where alone people are looked for.
     """
     grid = decimate(frame, config.grid_columns)
-    ground = later(beside, _ground, grid, previous_floor, floor_config, config)
+    ground = later(None if finder is None else beside, _ground, grid, previous_floor, floor_config, config)
     person = None if finder is None else person_cells(finder, grid.depth_mm, window)
     floor, usable, levelled = ground()
     if person is not None:

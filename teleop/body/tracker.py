@@ -66,7 +66,7 @@ class BodyTracker:
         self.config = config
         self._weight_of = vote_weights(config.proposals)
         self._max_offset_m = model.max_offset_m
-        self._second = ThreadPoolExecutor(1, "networks")
+        self._second = ThreadPoolExecutor(1, "tracker-beside")
         one_thread_products()
 
     def initial_state(self) -> TrackerState:

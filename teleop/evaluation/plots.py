@@ -99,10 +99,10 @@ def testers_plot(panels: dict[str, tuple[list[float], list[float], list[float], 
 
 
 def bars(names: list[str], values: list[float], label: str, line: float | None = None) -> Figure:
-    """Horizontal bars, one a setting."""
+    """Horizontal bars, one a setting, with their values."""
     figure = new_figure(9, 0.35 * len(names) + 1.2)
     axes = figure.subplots()
-    axes.barh(range(len(names)), values)
+    axes.bar_label(axes.barh(range(len(names)), values), fmt="%.1f", label_type="center", color="white")
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
     axes.set_xlabel(label)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teleop.body.finder import Finder, person_cells
+from teleop.body.finder import BLOCK, Finder, by_cell, person_cells
 from teleop.body.model import load_model
 from teleop.body.tracker import BodyTracker
 from teleop.config.body import BodyConfig
@@ -58,3 +58,11 @@ def test_in_a_window_the_operator_is_found_as_in_the_whole(finder: Finder, grid_
 @pytest.mark.parametrize("size", [(96, 170), (142, 171), (60, 80)])
 def test_grids_of_any_size_are_answered_cell_by_cell(finder: Finder, size: tuple[int, int]) -> None:
     assert person_cells(finder, np.full(size, 2000, np.uint16)).shape == size
+
+
+def test_blocks_of_answers_are_laid_out_cell_by_cell() -> None:
+    high, wide, across = 11, 14, 4
+    blocks = np.arange(3 * across * BLOCK * BLOCK, dtype=np.float32).reshape(3 * across, BLOCK * BLOCK)
+    cells = by_cell(blocks, across, high, wide)
+    whole = blocks.reshape(3, across, BLOCK, BLOCK).transpose(0, 2, 1, 3).reshape(3 * BLOCK, across * BLOCK)
+    np.testing.assert_array_equal(cells, whole[:high, :wide])

@@ -35,3 +35,17 @@ def test_no_weight_no_mode() -> None:
     modes, scores = find_modes(points, np.zeros(4, np.float32), 0.06, 2, 10, 1e-4)
     assert np.isnan(modes).all()
     assert (scores == 0).all()
+
+
+def test_small_weights_and_points_that_do_not_count_change_nothing() -> None:
+    points, start = clouds(np.random.default_rng(4)).T.copy(), np.array([0.25, 0.06, 2.05])
+    weights = np.ones(points.shape[1], np.float32)
+    wanted = shift_to_mode(points, weights, start, 0.06, 100, 1e-4)
+    for scale in (1e-25, 1e-33, 1e30):
+        tiny = (weights * np.float32(scale)).astype(np.float32)
+        np.testing.assert_allclose(shift_to_mode(points, tiny, start, 0.06, 100, 1e-4), wanted, atol=1e-5)
+    modes, scores = find_modes(points, weights, 0.06, 2, 100, 1e-4)
+    padded = np.concatenate([points, np.full((3, 30), np.nan, np.float32)], axis=1)
+    again, same = find_modes(padded, weights, 0.06, 2, 100, 1e-4)
+    np.testing.assert_array_equal(again, modes)
+    np.testing.assert_array_equal(same, scores)

@@ -13,16 +13,14 @@ const TRAIL_POINTS = 160;
 const NEAR_M = 0.92;
 const FAR_M = 3.66;
 const HALF_WIDTH_M = 1.4;
-/** How much room the operator's mark needs beside their place: who stands further out is drawn at the map's edge. */
+/** How much room the operator's mark needs round their place. */
 const MARK_M = { side: 0.22, front: 0.22, behind: 0.1 };
+const LINE_M = { side: 0.02, front: 0.02, behind: 0.02 };
 
-/** The place on the map that is nearest to this one. */
-function onMap([x, z]: readonly [number, number]): [number, number] {
-  const side = HALF_WIDTH_M - MARK_M.side;
-  return [
-    Math.min(Math.max(x, -side), side),
-    Math.min(Math.max(z, NEAR_M + MARK_M.front), FAR_M - MARK_M.behind),
-  ];
+/** The nearest place with so much room on the map: who stands beside it, or at its very edge, is drawn there. */
+function onMap([x, z]: readonly [number, number], room: { side: number; front: number; behind: number }): [number, number] {
+  const side = HALF_WIDTH_M - room.side;
+  return [Math.min(Math.max(x, -side), side), Math.min(Math.max(z, NEAR_M + room.front), FAR_M - room.behind)];
 }
 
 export class FloorPanel implements Panel {
@@ -150,9 +148,9 @@ export class FloorPanel implements Panel {
     const at = state.spine_xz;
     this.shown.set(at ? "visible" : "hidden");
     if (at) {
-      const [x, z] = onMap(at);
+      const [x, z] = onMap(at, MARK_M);
       this.place.set(`translate(${x.toFixed(3)} ${z.toFixed(3)})`);
-      this.remember(x, z);
+      this.remember(...onMap(at, LINE_M));
     } else if (this.count > 0) {
       this.count = 0;
       this.trail.setAttribute("points", "");
