@@ -50,7 +50,8 @@ def segments_cross(a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
 def forearms_crossed(skeleton: Skeleton, config: EngageConfig) -> bool:
     """Forearms crossed before the chest: each wrist past the other, between hips and chin, the forearms crossing.
 
-    An elbow under the other arm can be found decimetres off; wrists far past each other need no such proof.
+    An elbow under the other arm can be found decimetres off; wrists far past each other need no such proof, unless the
+    shoulders have changed sides too: then the tracker took right for left.
     """
     names = ("wrist_right", "wrist_left", "elbow_right", "elbow_left", "shoulder_center", "hip_center")
     joints = [skeleton.joint(n) for n in names]
@@ -62,7 +63,10 @@ def forearms_crossed(skeleton: Skeleton, config: EngageConfig) -> bool:
     at_chest = all(low <= wrist[1] <= high for wrist in (wrist_r, wrist_l))
     # a forearm reaches to the palm: arms that cross at their wrists are crossed whatever a centimetre of noise says
     palm_r, palm_l = (elbow + PALM * (wrist - elbow) for elbow, wrist in ((elbow_r, wrist_r), (elbow_l, wrist_l)))
-    crossing = passed_m >= config.crossed_far_m or segments_cross(elbow_r, palm_r, elbow_l, palm_l)
+    shoulder_r, shoulder_l = skeleton.joint("shoulder_right"), skeleton.joint("shoulder_left")
+    exchanged = shoulder_r is not None and shoulder_l is not None and shoulder_r[0] < shoulder_l[0]
+    far = passed_m >= config.crossed_far_m and not exchanged
+    crossing = far or segments_cross(elbow_r, palm_r, elbow_l, palm_l)
     return bool(passed_m >= config.crossed_m and at_chest and crossing)
 
 

@@ -62,6 +62,22 @@ def test_folded_arms_are_crossed_though_the_elbow_under_them_is_found_elsewhere(
     assert not forearms_crossed(replace(found, joints_m=joints), CONFIG), "wrists hardly past each other prove nothing"
 
 
+def test_sides_taken_for_each_other_are_no_crossing() -> None:
+    """A tracker that takes right for left shows the wrists far past each other, but the shoulders too."""
+    forward = Arm((0.6, 0.2, -0.77), (0.98, 0.0, 0.2))
+    found = skeleton(Person(right=forward, left=forward))
+    joints = found.joints_m.copy()
+    for name in ("shoulder", "elbow", "wrist", "hand"):
+        pair = [JOINT_INDEX[f"{name}_right"], JOINT_INDEX[f"{name}_left"]]
+        joints[pair] = joints[pair[::-1]]
+    assert joints[JOINT_INDEX["wrist_left"], 0] - joints[JOINT_INDEX["wrist_right"], 0] > CONFIG.crossed_far_m
+    assert not forearms_crossed(replace(found, joints_m=joints), CONFIG)
+    joints[[JOINT_INDEX["shoulder_right"], JOINT_INDEX["shoulder_left"]]] = found.joints_m[
+        [JOINT_INDEX["shoulder_right"], JOINT_INDEX["shoulder_left"]]
+    ]
+    assert forearms_crossed(replace(found, joints_m=joints), CONFIG), "the arms alone have changed sides: they cross"
+
+
 def run(poses: list[tuple[bool, bool]]) -> list[tuple[bool, bool]]:
     state, out = GestureState(), []
     for engage, crossed in poses:
