@@ -1,6 +1,7 @@
 """From the operator's depth image to the joints of one frame: the networks, and how sure they are.
 
-The coarse network places every joint from the whole operator, then arms, legs and trunk are looked at closely, twice.
+The coarse network places every joint from the whole operator, then arms, legs and trunk are looked at closely, the arms
+twice.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ import numpy.typing as npt
 from teleop.body.beside import later
 from teleop.body.coarse import CoarseNet, locate
 from teleop.body.features import Pixels
-from teleop.body.limbs import GROUPS, Round, place
+from teleop.body.limbs import ARMS, LEFT_ARM, LEGS, RIGHT_ARM, TRUNK, Part, Round, place
 
 N_CUES: Final = 6
-_AHEAD: Final = (0, 2), (1,)
-"""Groups of the first look that are looked at beside, before the forest is done, and those left for then."""
-_BESIDE: Final = (0,), (1, 2)
-"""The same of the other looks, which begin at once on both sides."""
-
+_AHEAD: Final = (ARMS, TRUNK), (LEGS,)
+"""Parts of the first look that are looked at beside, before the forest is done, and those left for then."""
+_ARMS_AGAIN: Final = (LEFT_ARM,), (RIGHT_ARM,)
+"""The same of another look, which begins at once on both sides: at the arms alone."""
+_ALL_AGAIN: Final = (ARMS,), (LEGS, TRUNK)
 Floats = npt.NDArray[np.float64]
 Known = tuple[Floats, Floats]
 """Joints (20, 3) and how far they may be off (20,), in metres."""
@@ -82,23 +83,25 @@ def settle(
     forest_m: (20, 3) the forest's joints, NaN unknown: joints that both find are surer. beside: where some limbs are
     looked at while the others are looked at here.
     """
-    joints_m, spread_m = coarse_m, coarse_spread_m = begun.whole()
+    known = coarse = begun.whole()
     ahead = begun.ahead
     for nets in cascade.rounds[:rounds]:
-        there, here = _BESIDE if ahead is None else _AHEAD
-        theirs = ahead or later(beside, place, nets, image, joints_m, there)
-        joints_m, spread_m = _joined(place(nets, image, joints_m, here), theirs(), there)
+        there, here = _AHEAD if ahead is not None else _ARMS_AGAIN if len(nets) == 1 else _ALL_AGAIN
+        theirs = ahead or later(beside, place, nets, image, known[0], there)
+        ours = place(nets, image, known[0], here)
+        known = _with(_with(known, ours, here), theirs(), there)
         ahead = None
-    cues = _cues(coarse_m, coarse_spread_m, joints_m, spread_m, forest_m)
-    return Placed(joints_m, spread_m, cues)
+    joints_m, spread_m = known
+    return Placed(joints_m, spread_m, _cues(*coarse, joints_m, spread_m, forest_m))
 
 
-def _joined(here: Known, there: Known, groups: tuple[int, ...]) -> Known:
-    """Joints and spreads, those of some groups from there."""
-    for group in groups:
-        for of, own in zip(here, there, strict=True):
-            of[GROUPS[group]] = own[GROUPS[group]]
-    return here
+def _with(known: Known, placed: Known, parts: tuple[Part, ...]) -> Known:
+    """What is known, some parts of it as they were placed."""
+    joints_m, spread_m = known[0].copy(), known[1].copy()
+    for part in parts:
+        of = part.joints
+        joints_m[of], spread_m[of] = placed[0][of], placed[1][of]
+    return joints_m, spread_m
 
 
 @nb.njit(cache=True, nogil=True)

@@ -1,7 +1,8 @@
 """Arms, legs and trunk as wholes: what is seen round all joints of a limb tells best where each of them is.
 
 The stages after the coarse network (pose-indexed crops, after Sun et al., CVPR 2015): one network looks at both arms,
-one at both legs, one at the trunk; left limbs are mirrored. A second round looks again from where the first one ended.
+one at both legs, one at the trunk; left limbs are mirrored. A second round looks at the arms again from where the first
+one ended.
 """
 
 from __future__ import annotations
@@ -43,6 +44,27 @@ GROUPS: Final = (
 SWAPPED: Final = np.array(MIRROR_JOINT)
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Limbs of one group that are placed in one go. group: index in GROUPS. first, end: sides, the right is 0."""
+
+    group: int
+    first: int = 0
+    end: int = 2
+
+    @property
+    def joints(self) -> npt.NDArray[np.int64]:
+        """(sides, LINKS)."""
+        return GROUPS[self.group][self.first : self.end]
+
+
+ARMS: Final = Part(0)
+RIGHT_ARM: Final = Part(0, 0, 1)
+LEFT_ARM: Final = Part(0, 1, 2)
+LEGS: Final = Part(1)
+TRUNK: Final = Part(2)
+
+
 NetTuple = tuple[
     tuple[tuple[F32, ...], tuple[F32, ...], npt.NDArray[np.int64]], tuple[I16, F32], F32, F32, tuple[F32, F32, F32]
 ]
@@ -73,15 +95,15 @@ class LimbNet:
         return self.stack.parts(), self.first_in_steps, self.second, self.last, biases
 
 
-Round = tuple[LimbNet, LimbNet, LimbNet]
-"""One look at all groups, in the order of GROUPS."""
+Round = tuple[LimbNet, ...]
+"""One look: networks of the first groups in the order of GROUPS; the joints of the others stay."""
 
 
 @nb.njit(cache=True, nogil=True)
 def pose_vectors(joints_m: Floats, group: npt.NDArray[np.int64], turned: bool, swapped: npt.NDArray[np.int64]) -> F32:
     """All joints from the root of each limb (sides, 3 N_JOINTS), for a left limb mirrored with the sides swapped.
 
-    turned: the other way round. swapped: (20,) each joint's mirror image.
+    turned: the other way round, or the first is a left one. swapped: (20,) each joint's mirror image.
     """
     count = len(joints_m)
     out = np.empty((len(group), 3 * count), np.float32)
@@ -100,7 +122,7 @@ def pose_vectors(joints_m: Floats, group: npt.NDArray[np.int64], turned: bool, s
 def limb_crops(image: PixelTuple, joints_m: Floats, group: npt.NDArray[np.int64], turned: bool, shape: Shape) -> F32:
     """Crops (sides * LINKS, rows, columns, 2) of a group's joints (sides, LINKS); see teleop.body.crop.joint_crops.
 
-    turned: those that are not mirrored are, in training.
+    turned: those that are not mirrored are, in training, or where the first is a left one.
     """
     sides, links = group.shape
     at, mirror = np.empty((sides * links, 3)), np.empty(sides * links, np.bool_)
@@ -130,21 +152,23 @@ def _place_group(
     image: PixelTuple,
     joints_m: Floats,
     group: npt.NDArray[np.int64],
+    left: bool,
     swapped: npt.NDArray[np.int64],
     crop: Shape,
     net: NetTuple,
     placed_m: Floats,
     spread_m: Floats,
 ) -> None:
-    crops = limb_crops(image, joints_m, group, False, crop)
-    poses = pose_vectors(joints_m, group, False, swapped)
+    """left: the first limb is a left one."""
+    crops = limb_crops(image, joints_m, group, left, crop)
+    poses = pose_vectors(joints_m, group, left, swapped)
     out = run_limbs(crops, poses, net)
     for side in range(len(group)):
         for link in range(group.shape[1]):
             j = group[side, link]
             for a in range(3):
                 move = np.float64(out[side, 4 * link + a]) * STEP_M
-                placed_m[j, a] = joints_m[j, a] + (-move if side == 1 and a == 0 else move)
+                placed_m[j, a] = joints_m[j, a] + (-move if (side == 1) != left and a == 0 else move)
             spread_m[j] = np.exp(np.float64(out[side, 4 * link + 3])) * SPREAD_M
 
 
@@ -155,11 +179,11 @@ def before_sensor(joints_m: Floats) -> Floats:
     return out
 
 
-def place(nets: Round, image: Pixels, joints_m: Floats, groups: tuple[int, ...]) -> tuple[Floats, Floats]:
-    """Joints (20, 3) and spreads (20,) with those of the named groups placed anew; the other spreads are NaN."""
+def place(nets: Round, image: Pixels, joints_m: Floats, parts: tuple[Part, ...]) -> tuple[Floats, Floats]:
+    """Joints (20, 3) and spreads (20,) with those of some parts placed anew; the other spreads are NaN."""
     before = before_sensor(joints_m)
     placed, spread = joints_m.copy(), np.full(N_JOINTS, np.nan)
-    for group in groups:
-        net = nets[group].tuple()
-        _place_group(image.tuple(), before, GROUPS[group], SWAPPED, LOCAL.tuple(), net, placed, spread)
+    for part in parts:
+        net, left = nets[part.group].tuple(), part.first == 1
+        _place_group(image.tuple(), before, part.joints, left, SWAPPED, LOCAL.tuple(), net, placed, spread)
     return placed, spread

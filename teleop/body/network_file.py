@@ -138,17 +138,12 @@ def limb_of(name: str, data: Arrays) -> LimbNet:
     )
 
 
-def _round_names(number: int) -> tuple[str, str, str]:
-    arms, legs, trunk = (f"{group}_{number}" for group in GROUP_NAMES)
-    return arms, legs, trunk
-
-
 def cascade_arrays(cascade: Cascade) -> dict[str, npt.NDArray[Any]]:
     """All arrays, by name."""
     out = coarse_arrays(cascade.coarse) | {"rounds": np.array(len(cascade.rounds)), "trust": cascade.trust}
     for number, nets in enumerate(cascade.rounds):
-        for name, net in zip(_round_names(number), nets, strict=True):
-            out |= limb_arrays(name, net)
+        for group, net in zip(GROUP_NAMES, nets, strict=False):
+            out |= limb_arrays(f"{group}_{number}", net)
     return out
 
 
@@ -156,8 +151,9 @@ def cascade_of(data: Arrays) -> Cascade:
     """The cascade of such arrays. Raises KeyError, ValueError as finder_of."""
     rounds = []
     for number in range(int(data["rounds"])):
-        arms, legs, trunk = (limb_of(name, data) for name in _round_names(number))
-        rounds.append((arms, legs, trunk))
+        # one look may leave the last groups out
+        names = [f"{group}_{number}" for group in GROUP_NAMES if f"{group}_{number}_first" in data]
+        rounds.append(tuple(limb_of(name, data) for name in names))
     return Cascade(coarse_of(data), tuple(rounds), _array(data, "trust", N_CUES + 1).astype(np.float64))
 
 

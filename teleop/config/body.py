@@ -115,7 +115,9 @@ class CascadeConfig(Section):
 
     finder: bool = Field(True, description="false parts people from things by depth steps alone")
     enabled: bool = Field(True, description="false takes the forest's joints as they are")
-    rounds: int = Field(2, ge=0, le=4, description="looks at arms, legs and trunk after the coarse network, at most")
+    rounds: int = Field(
+        2, ge=0, le=4, description="looks at the limbs after the coarse network, at most; the second is at the arms"
+    )
     min_confidence: float = Field(
         0.3, ge=0, le=1, description="a joint less likely than this to be within 10 cm is unknown [1]"
     )

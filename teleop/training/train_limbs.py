@@ -22,6 +22,7 @@ from teleop.body.limbs import (
     STEP_M,
     SWAPPED,
     LimbNet,
+    Part,
     Round,
     before_sensor,
     limb_crops,
@@ -80,8 +81,8 @@ def coarse_joints(bodies: Bodies, coarse: CoarseNet, progress: Progress) -> Floa
 
 def round_joints(bodies: Bodies, before_m: Floats, nets: Round, progress: Progress) -> Floats:
     """Joints (F, 20, 3) after one more round for every frame."""
-    groups = tuple(range(len(GROUPS)))
-    return _each(bodies, lambda f: place(nets, bodies.pixels(f), before_m[f], groups)[0], "joints of a round", progress)
+    parts = tuple(Part(group) for group in range(len(nets)))
+    return _each(bodies, lambda f: place(nets, bodies.pixels(f), before_m[f], parts)[0], "joints of a round", progress)
 
 
 def draw(

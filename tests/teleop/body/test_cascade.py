@@ -11,7 +11,7 @@ import pytest
 
 from teleop.body.cascade import Cascade, Placed, begin, settle
 from teleop.body.features import Pixels, operator_pixels
-from teleop.body.limbs import GROUPS, SWAPPED, place, pose_vectors
+from teleop.body.limbs import ARMS, GROUPS, LEFT_ARM, LEGS, RIGHT_ARM, SWAPPED, TRUNK, place, pose_vectors
 from teleop.body.model import load_model, save_model
 from teleop.errors import ModelError
 from teleop.frames import Camera, DepthFrame
@@ -102,11 +102,39 @@ def test_a_mirrored_image_gives_the_mirrored_body(cascade: Cascade, person: tupl
     k = image.intrinsics * [1, 1, 0, 1] + [0, 0, image.width - 1 - image.intrinsics[2], 0]
     mirrored = replace(image, flat_mm=np.ascontiguousarray(turned).reshape(-1), intrinsics=k)
     start = truth + np.array([0.01, -0.02, 0.01])
-    groups = tuple(range(len(GROUPS)))
-    plain, _ = place(cascade.rounds[0], image, start, groups)
-    other, _ = place(cascade.rounds[0], mirrored, start[SWAPPED] * [-1.0, 1.0, 1.0], groups)
+    plain, _ = place(cascade.rounds[0], image, start, (ARMS, LEGS, TRUNK))
+    other, _ = place(cascade.rounds[0], mirrored, start[SWAPPED] * [-1.0, 1.0, 1.0], (ARMS, LEGS, TRUNK))
     limbs = GROUPS[0].reshape(-1)
     assert np.linalg.norm((plain - other[SWAPPED] * [-1.0, 1.0, 1.0])[limbs], axis=1).max() < 0.01
+
+
+def test_each_arm_alone_is_placed_as_both_at_once(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
+    image, truth = person
+    both_m, both_spread_m = place(cascade.rounds[0], image, truth, (ARMS,))
+    for part in (RIGHT_ARM, LEFT_ARM):
+        one_m, one_spread_m = place(cascade.rounds[0], image, truth, (part,))
+        np.testing.assert_allclose(one_m[part.joints], both_m[part.joints], atol=1e-6)
+        np.testing.assert_allclose(one_spread_m[part.joints], both_spread_m[part.joints], rtol=1e-5)
+        assert np.isnan(one_spread_m).sum() == N_JOINTS - part.joints.size
+
+
+def test_the_second_look_moves_arms_alone(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
+    image, _ = person
+    once, twice = (placed(cascade, image, rounds) for rounds in (1, 2))
+    for part in (LEGS, TRUNK):
+        np.testing.assert_array_equal(twice.joints_m[part.joints], once.joints_m[part.joints])
+        np.testing.assert_array_equal(twice.spread_m[part.joints], once.spread_m[part.joints])
+    assert (twice.joints_m[ARMS.joints] != once.joints_m[ARMS.joints]).all()
+
+
+def test_a_second_look_at_everything_is_one_too(cascade: Cascade, person: tuple[Pixels, np.ndarray]) -> None:
+    image, _ = person
+    whole = replace(cascade, rounds=(cascade.rounds[0],) * 2)
+    joints_m = placed(whole, image, 1).joints_m
+    again_m, spread_m = place(whole.rounds[1], image, joints_m, (ARMS, LEGS, TRUNK))
+    found = placed(whole, image, 2)
+    np.testing.assert_array_equal(found.joints_m, again_m)
+    np.testing.assert_array_equal(found.spread_m, spread_m)
 
 
 def test_nothing_in_the_image_is_no_error(cascade: Cascade) -> None:
