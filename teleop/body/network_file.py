@@ -151,9 +151,12 @@ def cascade_of(data: Arrays) -> Cascade:
     """The cascade of such arrays. Raises KeyError, ValueError as finder_of."""
     rounds = []
     for number in range(int(data["rounds"])):
-        # one look may leave the last groups out
-        names = [f"{group}_{number}" for group in GROUP_NAMES if f"{group}_{number}_first" in data]
-        rounds.append(tuple(limb_of(name, data) for name in names))
+        groups = tuple(group for group in GROUP_NAMES if f"{group}_{number}_first" in data)
+        if groups != GROUP_NAMES and (number == 0 or groups != GROUP_NAMES[:1]):
+            raise ValueError(
+                f"look {number} is at {groups}: the first must be at all groups, a later one at all or arms"
+            )
+        rounds.append(tuple(limb_of(f"{group}_{number}", data) for group in groups))
     return Cascade(coarse_of(data), tuple(rounds), _array(data, "trust", N_CUES + 1).astype(np.float64))
 
 

@@ -154,6 +154,15 @@ def test_networks_come_back_from_a_file_as_they_were(tmp_path: Path, person: tup
     assert np.array_equal(placed(model.cascade, image).joints_m, placed(again.cascade, image).joints_m)
 
 
+@pytest.mark.parametrize(("number", "kept"), [(0, 1), (1, 2), (1, 0)])
+def test_looks_at_some_of_the_groups_are_refused(tmp_path: Path, cascade: Cascade, number: int, kept: int) -> None:
+    rounds = [cascade.rounds[0], cascade.rounds[0]]
+    rounds[number] = rounds[number][:kept]
+    save_model(replace(load_model(), cascade=replace(cascade, rounds=tuple(rounds))), tmp_path / "some.npz")
+    with pytest.raises(ModelError, match=f"look {number}"):
+        load_model(tmp_path / "some.npz")
+
+
 def test_networks_that_do_not_fit_together_are_refused(tmp_path: Path, cascade: Cascade) -> None:
     broken = replace(cascade.coarse, head=cascade.coarse.head[:-1])
     save_model(replace(load_model(), cascade=replace(cascade, coarse=broken)), tmp_path / "broken.npz")
