@@ -307,8 +307,26 @@ def _targets(state: State) -> dict[str, tuple[float, ...] | None]:
     return {arm: tuple(command[arm].values()) if command[arm] else None for arm in ARMS}
 
 
+_ATTEMPTS: Final = 3
+_FRAMES_STAYED_AWAY: Final = frozenset({"hold.no_frame", "stop.no_frame", "mode.operator_changed"})
+"""What the robot says where frames stay away, or come so late that the operator counts as a new one."""
+
+
 def run(on: Stage, fault: Fault) -> Outcome:
-    """One fault from a fresh start; the stage is left as it is."""
+    """One fault from a fresh start; the stage is left as it is.
+
+    A robot that has to go on is tried again where frames stayed away for longer than the fault keeps them: the machine
+    was busy, and it was right to stop.
+    """
+    for _ in range(_ATTEMPTS):
+        outcome = _once(on, fault)
+        busy = _FRAMES_STAYED_AWAY.intersection(outcome.codes).difference(fault.reasons)
+        if outcome.fulfilled or fault.must == "still" or not busy:
+            break
+    return outcome
+
+
+def _once(on: Stage, fault: Fault) -> Outcome:
     prepare(on, fault)
     on.refused.clear()
     before = _targets(on.watch.states[-1][1])
